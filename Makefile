@@ -1,0 +1,50 @@
+# Two commands matter: `make bench` and `make test`. Every target sets up its own environment.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+OUT    ?= results/quick
+CORE   := $(VENV)/.core
+DEV    := $(VENV)/.dev
+
+.PHONY: bench test test-all lint perf clean help
+
+help:
+	@echo "make bench     set up, then scan, match, evaluate and report on the built-in shapes"
+	@echo "make test      set up, then run the default tests"
+	@echo "make test-all  the same with the slow tests"
+	@echo "make lint      ruff (lint, format) and mypy"
+	@echo "make perf      time and memory of every stage"
+
+$(CORE): pyproject.toml
+	@test -n "$(PYTHON)" || { echo "no python3.11 on PATH; install it or set PYTHON=..." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "$(PYTHON) is older than Python 3.11; set PYTHON=/path/to/python3.11" >&2; exit 1; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@echo "Installing medialbench into $(VENV) (about 1 GB, a minute or two) ..."
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e .
+	@touch $@
+
+$(DEV): $(CORE)
+	@echo "Installing the development tools into $(VENV) ..."
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.[dev,peers]'
+	@touch $@
+
+bench: $(CORE)
+	@$(BIN)/medialbench run quick -o $(OUT)
+
+test: $(DEV)
+	$(BIN)/python -m pytest -m "not slow"
+
+test-all: $(DEV)
+	$(BIN)/python -m pytest
+
+lint: $(DEV)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+perf: $(DEV)
+	$(BIN)/python -m pytest tests/benchmarks --benchmark-only -s
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info

@@ -1,0 +1,105 @@
+"""Files that are never half-written, and the one error type for bad input.
+
+The leftmost package owns these because every other package uses them.
+"""
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class InputError(ValueError):
+    """Input that cannot be used; the message is one line: what is wrong, the value, what to do."""
+
+
+@contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path beside `path`; rename it to `path` on success, remove it on failure.
+
+    Parameters
+    ----------
+    path
+        The file to write. Missing parent folders are created. The temporary name keeps the suffix, as
+        writers choose the format by it.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be created or is not writable.
+    """
+    target = Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"cannot write {str(target)!r}: {reason}; choose a folder you can write to"
+        ) from error
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)  # mkstemp's 0600 would hide results from a group
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def save_record(
+    path: str | os.PathLike[str], kind: str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]
+) -> None:
+    """Write named arrays and JSON metadata as one compressed `.npz`, atomically.
+
+    Parameters
+    ----------
+    path
+        Target file; ``.npz`` is the conventional suffix.
+    kind
+        Name of the record's type, checked by `load_record`.
+    arrays
+        Arrays by name. The names ``kind`` and ``meta`` are taken.
+    meta
+        Values that JSON can hold.
+    """
+    with atomic_path(path) as temporary, temporary.open("wb") as stream:
+        fields: dict[str, Any] = {"kind": np.array(kind), "meta": np.array(json.dumps(meta)), **arrays}
+        np.savez_compressed(stream, **fields)
+
+
+def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Read a file written by `save_record`.
+
+    Returns
+    -------
+    arrays, meta
+
+    Raises
+    ------
+    InputError
+        If the file is missing, cut short, or holds another kind of record.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            found = str(data["kind"]) if "kind" in data else "no medialbench record"
+            if found != kind:
+                raise InputError(f"{str(path)!r} holds {found!r}, not {kind!r}")
+            meta = json.loads(str(data["meta"]))
+            return {name: data[name] for name in data.files if name not in ("kind", "meta")}, meta
+    except FileNotFoundError as error:
+        raise InputError(f"{str(path)!r} does not exist") from error
+    except (OSError, EOFError, BadZipFile, ValueError, KeyError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{str(path)!r} is not a readable {kind} file ({error}); make it again") from error

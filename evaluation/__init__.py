@@ -1,0 +1,1 @@
+"""Methods, protocols, metrics and sweeps."""

@@ -1,0 +1,1 @@
+"""Figures, tables and the report page; reads only the results store."""

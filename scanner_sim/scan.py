@@ -1,0 +1,108 @@
+"""The `Scan` type: a point cloud that knows where each point comes from."""
+
+import os
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, cast
+
+import fpsample
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.records import InputError, load_record, save_record
+from scanner_sim.config import ScannerConfig
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Points of one simulated scan with exact ground truth.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        Triangulated positions, in the units and the frame of the scanned mesh.
+    normals : (n, 3) float64
+        Unit, outward.
+    face_ids : (n,) int32
+        Face of the scanned mesh that the camera ray hit.
+    barycentrics : (n, 3) float64
+        Where in that face.
+    true_points : (n, 3) float64
+        The hit itself: residuals are ``points - true_points``.
+    intensity : (n,) float64
+        Fitted peak; `accept` thresholds it.
+    view_ids : (n,) int32
+    pixels : (n, 2) int32
+        Column and row.
+    shape_name : str
+        Name of the scanned shape.
+    config : ScannerConfig
+    seed : int
+    """
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    face_ids: NDArray[np.int32]
+    barycentrics: NDArray[np.float64]
+    true_points: NDArray[np.float64]
+    intensity: NDArray[np.float64]
+    view_ids: NDArray[np.int32]
+    pixels: NDArray[np.int32]
+    shape_name: str = ""
+    config: ScannerConfig = field(default_factory=ScannerConfig)
+    seed: int = 0
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.points)
+
+    def select(self, index: NDArray[np.integer] | NDArray[np.bool_]) -> "Scan":
+        """The points of an index or mask, in its order."""
+        picked: dict[str, Any] = {name: getattr(self, name)[index] for name in _ARRAYS}
+        return replace(self, **picked)
+
+    def accept(self, peak_threshold: float) -> "Scan":
+        """Points whose fitted peak reaches the threshold: a sweep costs one scan.
+
+        Raises
+        ------
+        InputError
+            If the threshold is outside (0, 1].
+        """
+        if not 0 < peak_threshold <= 1:
+            raise InputError(f"peak threshold must lie in (0, 1], got {peak_threshold!r}")
+        kept = self.select(self.intensity >= peak_threshold)
+        return replace(kept, config=replace(self.config, peak_threshold=peak_threshold))
+
+    def subsample(self, n: int, seed: int = 0) -> "Scan":
+        """Farthest-point sample of `n` points; the whole scan if it has no more than that.
+
+        Parameters
+        ----------
+        n
+            Number of points to keep, at least 1.
+        seed
+            Picks the first point.
+        """
+        if n < 1:
+            raise InputError(f"cannot subsample to {n!r} points; ask for at least 1")
+        if n >= len(self):
+            return self
+        start = int(np.random.default_rng(seed).integers(len(self)))
+        index = fpsample.bucket_fps_kdline_sampling(self.points, n, h=7, start_idx=start)
+        return self.select(index.astype(np.int64))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write as ``.npz``."""
+        arrays = {name: getattr(self, name) for name in _ARRAYS}
+        meta = {"shape_name": self.shape_name, "config": asdict(self.config), "seed": self.seed}
+        save_record(path, "Scan", arrays, meta)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Scan":
+        """Read a file written by `save`."""
+        arrays, meta = load_record(path, "Scan")
+        meta["config"] = ScannerConfig(**meta["config"])
+        return cls(**cast("dict[str, Any]", arrays), **meta)
+
+
+_ARRAYS = [f.name for f in fields(Scan) if f.name not in ("shape_name", "config", "seed")]
