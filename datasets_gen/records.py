@@ -78,7 +78,7 @@ def save_record(
         np.savez_compressed(stream, **fields)
 
 
-def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Read a file written by `save_record`.
 
     Returns

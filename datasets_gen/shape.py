@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +63,7 @@ class Shape:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as ``.npz``."""
-        arrays = {"vertices": self.vertices, "faces": self.faces}
+        arrays: dict[str, Any] = {"vertices": self.vertices, "faces": self.faces}
         meta = {"name": self.name, "subject": self.subject, "pose": self.pose, "units": self.units}
         save_record(path, "Shape", arrays, meta)
 

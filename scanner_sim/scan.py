@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any, cast
+from typing import Any
 
 import fpsample
 import numpy as np
@@ -102,7 +102,7 @@ class Scan:
         """Read a file written by `save`."""
         arrays, meta = load_record(path, "Scan")
         meta["config"] = ScannerConfig(**meta["config"])
-        return cls(**cast("dict[str, Any]", arrays), **meta)
+        return cls(**arrays, **meta)
 
 
 _ARRAYS = [f.name for f in fields(Scan) if f.name not in ("shape_name", "config", "seed")]
