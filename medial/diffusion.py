@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import load_record, save_record
+from medial.operators import Basis, Operator, build
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Diffusion:
         ``"medial"``, ``"heat"`` or ``"robust"``.
     parameters : dict
         The settings that made it, for the record.
+    surface : Diffusion, optional
+        A surface basis of the same points (operator ``"robust"``), for sharp refinement of a map.
     """
 
     points: NDArray[np.float64]
@@ -43,6 +46,58 @@ class Diffusion:
     radii: NDArray[np.float64]
     operator: str
     parameters: dict[str, Any] = field(default_factory=dict)
+    surface: "Diffusion | None" = None
+
+    @classmethod
+    def from_points(
+        cls,
+        points: NDArray[np.floating],
+        normals: NDArray[np.floating] | None,
+        operator: str = "medial",
+        modes: int = 300,
+        eta: float | None = 0.5,
+        *,
+        surface: bool = False,
+        surface_modes: int = 200,
+        **settings: Any,
+    ) -> "Diffusion":
+        """Build an operator on a cloud and take its smallest modes.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            The cloud.
+        normals : (n, 3) or None
+            Outward normals; None estimates them.
+        operator
+            ``"medial"`` (Eqs. 4-15), ``"heat"`` (Gaussian weights alone [BSW09]) or ``"robust"`` (tufted Laplacian
+            [Sharp & Crane 2020]).
+        modes
+            Eigenpairs to keep.
+        eta
+            Share of the Gaussian weights in Eq. 15; None takes phi alone, as in Eq. 8.
+        surface
+            Also build the companion surface basis.
+        surface_modes
+            Eigenpairs of the companion; at most a quarter of the points.
+        **settings
+            Further fields of `medial.operators.Operator`: sigma_e, sigma_t, cutoff, ...
+
+        Raises
+        ------
+        InputError
+            If the cloud or a setting cannot be used.
+        """
+        config = Operator(operator=operator, modes=modes, eta=eta, **settings)
+        companion = None
+        if surface:
+            few = min(surface_modes, len(points) // 4)
+            companion = cls._of(build(points, normals, Operator(operator="robust", modes=few)))
+        return cls._of(build(points, normals, config), companion)
+
+    @classmethod
+    def _of(cls, basis: Basis, surface: "Diffusion | None" = None) -> "Diffusion":
+        return cls(**vars(basis), surface=surface)
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -68,18 +123,24 @@ class Diffusion:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as ``.npz``."""
-        save_record(
-            path,
-            "Diffusion",
-            {name: getattr(self, name) for name in _ARRAYS},
-            {"operator": self.operator, "parameters": self.parameters},
-        )
+        arrays = {name: getattr(self, name) for name in _ARRAYS}
+        meta: dict[str, Any] = {"operator": self.operator, "parameters": self.parameters}
+        if self.surface is not None:
+            arrays |= {_SURFACE + name: getattr(self.surface, name) for name in _ARRAYS}
+            meta["surface"] = {"operator": self.surface.operator, "parameters": self.surface.parameters}
+        save_record(path, "Diffusion", arrays, meta)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Diffusion":
         """Read a file written by `save`."""
         arrays, meta = load_record(path, "Diffusion")
-        return cls(**arrays, **meta)
+        own = {name: arrays[name] for name in _ARRAYS}
+        companion = meta.pop("surface", None)
+        if companion is None:
+            return cls(**own, **meta)
+        other = cls(**{name: arrays[_SURFACE + name] for name in _ARRAYS}, **companion)
+        return cls(**own, **meta, surface=other)
 
 
 _ARRAYS = ("points", "normals", "areas", "eigenvalues", "eigenfunctions", "centers", "radii")
+_SURFACE = "surface_"

@@ -1,0 +1,146 @@
+r"""Medial centres and radii (Eq. 9) and the dual area of every point (Eq. 10 and the hulls after it)."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.spatial import ConvexHull, QhullError, cKDTree
+
+from medial.ball import candidate_ball, columns
+from medial.checks import check_cloud, check_points
+from medial.compiled import compiled, ranges, run_tasks
+from medial.surface import surface_areas
+
+EPSILON = 1.5  # radius of Eq. 10 in units of the average sampling distance
+ROWS_PER_TASK = 512
+
+
+def sampling_distance(points: NDArray[np.floating]) -> float:
+    """Mean distance of a point to its nearest neighbour, in the units of `points`."""
+    distances, _ = cKDTree(points).query(points, k=2)
+    return float(distances[:, 1].mean())
+
+
+def medial_axis(
+    points: NDArray[np.floating], normals: NDArray[np.floating], phi: csr_array
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Medial axis point and radius of every point: averages of its candidate balls weighted by phi (Eq. 9).
+
+    Parameters
+    ----------
+    points, normals : (n, 3)
+        The cloud and its outward unit normals.
+    phi : (n, n) csr_array
+        From `medial.similarity`.
+
+    Returns
+    -------
+    centers : (n, 3) float64
+    radii : (n,) float64
+        A point without any similar point takes the radius of the nearest point that has one, and the centre
+        at that depth below itself; in a cloud without any similarity the centre is the point, the radius 0.
+    """
+    points, normals = check_cloud(points, normals)
+    phi = csr_array(phi)
+    cloud = (
+        *columns(points),
+        *columns(normals),
+        phi.indptr.astype(np.int64),
+        phi.indices.astype(np.int64),
+        phi.data,
+    )
+    parts = run_tasks(_averages, [(*cloud, *span) for span in ranges(len(points), ROWS_PER_TASK)])
+    centers = np.concatenate([part[0] for part in parts])
+    radii = np.concatenate([part[1] for part in parts])
+    known = radii > 0
+    if known.any() and not known.all():
+        _, nearest = cKDTree(points[known]).query(points[~known])
+        radii[~known] = radii[known][nearest]
+    lost = ~known
+    centers[lost] = points[lost] - radii[lost, None] * normals[lost]
+    return centers, radii
+
+
+@compiled()
+def _averages(px, py, pz, nx, ny, nz, indptr, indices, data, start, stop):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    centers = np.zeros((stop - start, 3))
+    radii = np.zeros(stop - start)
+    for i in range(start, stop):
+        total = x = y = z = radius = 0.0
+        for entry in range(indptr[i], indptr[i + 1]):
+            j = indices[entry]
+            cx, cy, cz, r, _ = candidate_ball(px, py, pz, nx, ny, nz, i, j)
+            if r > 0.0:
+                weight = data[entry]
+                total += weight
+                x += weight * cx
+                y += weight * cy
+                z += weight * cz
+                radius += weight * r
+        if total > 0.0:
+            centers[i - start, 0] = x / total
+            centers[i - start, 1] = y / total
+            centers[i - start, 2] = z / total
+            radii[i - start] = radius / total
+    return centers, radii
+
+
+def dual_areas(
+    points: NDArray[np.floating],
+    centers: NDArray[np.floating],
+    radii: NDArray[np.floating],
+    normals: NDArray[np.floating] | None = None,
+) -> NDArray[np.float64]:
+    r"""Dual area |\star p| of every point: a third of the hull triangles around it (Eq. 10).
+
+    The hull is that of the points with medial centres within 1.5 sampling distances of this point's; where the
+    point is not on that hull, all points are projected to its ball (centre, radius) first. Points with fewer than
+    four such neighbours, or in one plane with them, take the area of their cell in the tangent plane.
+
+    Parameters
+    ----------
+    points : (n, 3)
+    centers : (n, 3)
+    radii : (n,)
+        From `medial_axis`.
+    normals : (n, 3), optional
+        For the fallback; the direction from the centre to the point where not given.
+
+    Returns
+    -------
+    (n,) float64, in squared units
+    """
+    points = check_points(points)
+    centers = np.asarray(centers, dtype=np.float64)
+    radii = np.asarray(radii, dtype=np.float64)
+    groups = cKDTree(centers).query_ball_point(centers, EPSILON * sampling_distance(points))
+    areas = np.array(
+        [_hull_area(points[group], points[i], centers[i], radii[i]) for i, group in enumerate(groups)]
+    )
+    lost = ~(areas > 0)
+    if lost.any():
+        areas[lost] = surface_areas(points, points - centers if normals is None else normals)[lost]
+    return areas
+
+
+def _hull_area(
+    members: NDArray[np.float64], point: NDArray[np.float64], center: NDArray[np.float64], radius: float
+) -> float:
+    """A third of the area of the hull triangles at `point`; NaN where there is none."""
+    if len(members) < 4:
+        return np.nan
+    own = int(np.flatnonzero((members == point).all(axis=1))[0])
+    for cloud in (members, _on_ball(members, center, radius)):
+        try:
+            hull = ConvexHull(cloud)
+        except QhullError:
+            continue
+        corners = cloud[hull.simplices[(hull.simplices == own).any(axis=1)]]
+        if len(corners):
+            cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            return float(np.linalg.norm(cross, axis=1).sum() / 6)
+    return np.nan
+
+
+def _on_ball(members: NDArray[np.float64], center: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    offsets = members - center
+    return center + radius * offsets / np.linalg.norm(offsets, axis=1, keepdims=True)

@@ -1,0 +1,56 @@
+"""Compiling and running the package's kernels: cached machine code, plain threads.
+
+Kernels are compiled without the interpreter lock and split over our own threads. That keeps results
+independent of the number of threads (each task owns its outputs), is safe under ``fork`` and inside Dask
+workers, and compiles several times faster than automatic parallelisation.
+"""
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+import numba
+
+T = TypeVar("T")
+
+
+def compiled(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """`numba.njit` without the interpreter lock, cached on disk where any cache folder can be written.
+
+    Numba caches beside the module, else in the user's cache folder. With neither writable it refuses; then
+    the kernel is compiled once per process.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        settings = {"nogil": True, "error_model": "numpy", **options}
+        try:
+            return numba.njit(cache=True, **settings)(function)
+        except RuntimeError:
+            return numba.njit(**settings)(function)
+
+    return decorate
+
+
+def thread_count() -> int:
+    """Threads a kernel may use: the smallest of the processors we may run on, NUMBA_NUM_THREADS and OMP_NUM_THREADS.
+
+    Dask sets OMP_NUM_THREADS to 1 in its workers, so a sweep does not oversubscribe the machine.
+    """
+    count = int(numba.config.NUMBA_NUM_THREADS)
+    limit = os.environ.get("OMP_NUM_THREADS", "").split(",")[0]
+    return max(1, min(count, int(limit))) if limit.isdigit() else count
+
+
+def run_tasks(function: Callable[..., T], arguments: Sequence[tuple[Any, ...]]) -> list[T]:
+    """Call ``function(*a)`` for every ``a``, on `thread_count` threads; results in the order given."""
+    threads = min(thread_count(), len(arguments))
+    if threads <= 1:
+        return [function(*each) for each in arguments]
+    with ThreadPoolExecutor(threads) as pool:
+        return list(pool.map(lambda each: function(*each), arguments))
+
+
+def ranges(n: int, size: int) -> list[tuple[int, int]]:
+    """``[0, n)`` in pieces of at most `size`: the split never depends on the number of threads."""
+    return [(start, min(start + size, n)) for start in range(0, n, size)]
