@@ -1,5 +1,8 @@
 """Laser-triangulation scanner of [BLN*11], simulated with Mitsuba 3."""
 
+from scanner_sim.config import ScannerConfig
+from scanner_sim.ideal import coverage, sample
 from scanner_sim.scan import Scan
+from scanner_sim.scanner import scan
 
-__all__ = ["Scan"]
+__all__ = ["Scan", "ScannerConfig", "coverage", "sample", "scan"]

@@ -4,12 +4,12 @@ import os
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-import fpsample
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError, load_record, save_record
 from scanner_sim.config import ScannerConfig
+from scanner_sim.thinning import farthest_points
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,14 @@ class Scan:
     view_ids : (n,) int32
     pixels : (n, 2) int32
         Column and row.
+    width : (n,) float64
+        Fitted width s of the peak ``exp(-(theta - angle)^2 / s^2)``, radians of the laser's sweep.
+    angle : (n,) float64
+        Fitted position of the peak, radians: 0 along the viewing direction, positive to the right.
+    poses : (V, 4, 4) float64
+        Camera-to-mesh matrices (x right, y down, z forward), translation in mesh units.
+    scale : float
+        Millimetres of the rig per mesh unit.
     shape_name : str
         Name of the scanned shape.
     config : ScannerConfig
@@ -47,6 +55,10 @@ class Scan:
     intensity: NDArray[np.float64]
     view_ids: NDArray[np.int32]
     pixels: NDArray[np.int32]
+    width: NDArray[np.float64]
+    angle: NDArray[np.float64]
+    poses: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4, 4)))
+    scale: float = 1.0
     shape_name: str = ""
     config: ScannerConfig = field(default_factory=ScannerConfig)
     seed: int = 0
@@ -88,21 +100,22 @@ class Scan:
         if n >= len(self):
             return self
         start = int(np.random.default_rng(seed).integers(len(self)))
-        index = fpsample.bucket_fps_kdline_sampling(self.points, n, h=7, start_idx=start)
-        return self.select(index.astype(np.int64))
+        return self.select(farthest_points(self.points, n, start))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write as ``.npz``."""
-        arrays = {name: getattr(self, name) for name in _ARRAYS}
-        meta = {"shape_name": self.shape_name, "config": asdict(self.config), "seed": self.seed}
+        arrays = {name: getattr(self, name) for name in (*_ARRAYS, "poses")}
+        meta = {name: getattr(self, name) for name in ("shape_name", "seed", "scale")}
+        meta["config"] = asdict(self.config)
         save_record(path, "Scan", arrays, meta)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Scan":
         """Read a file written by `save`."""
         arrays, meta = load_record(path, "Scan")
-        meta["config"] = ScannerConfig(**meta["config"])
+        meta["config"] = ScannerConfig.from_dict(meta["config"])
         return cls(**arrays, **meta)
 
 
-_ARRAYS = [f.name for f in fields(Scan) if f.name not in ("shape_name", "config", "seed")]
+_WHOLE = ("poses", "scale", "shape_name", "config", "seed")
+_ARRAYS = [f.name for f in fields(Scan) if f.name not in _WHOLE]
