@@ -1,0 +1,84 @@
+"""How accurate the maps are: PCK curves [KLF11] and error against missing surface."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from reports.figures.style import method_colors, new_figure, order_methods, styled
+
+
+@styled
+def pck(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: NDArray[np.float64]) -> Figure:
+    """Share of points matched within a radius, a panel per group and a line per method.
+
+    Parameters
+    ----------
+    curves
+        ``curves[group][method]`` is (r,), the share of points in [0, 1] at each radius.
+    radii : (r,)
+        Geodesic error x100 / sqrt(area).
+    """
+    columns = min(3, len(curves))
+    rows = -(-len(curves) // columns)
+    figure, grid = new_figure(rows, columns, 3.1 * columns + 0.3, 2.5 * rows + 0.5, sharex=True, sharey=True)
+    methods = order_methods(name for group in curves.values() for name in group)
+    colors = method_colors(methods)
+    for axes, (group, lines) in zip(grid.flat, curves.items(), strict=False):
+        for name in methods:
+            if name in lines:
+                axes.plot(radii, 100 * lines[name], color=colors[name], label=name)
+        axes.set_title(group)
+        axes.set_ylim(0, 100)
+        axes.set_xlim(0, radii[-1])
+    for axes in list(grid.flat)[len(curves) :]:
+        axes.set_visible(False)
+    for row in grid:
+        row[0].set_ylabel("points matched within, %")
+    for axes in grid[-1]:
+        axes.set_xlabel("geodesic error × 100 / √area")
+    handles = {line.get_label(): line for axes in grid.flat for line in axes.get_lines()}
+    figure.legend(
+        [handles[m] for m in methods], methods, loc="outside lower center", ncols=min(len(methods), 6)
+    )
+    return figure
+
+
+@styled
+def error_against_missing(table: pd.DataFrame) -> Figure:
+    """Mean geodesic error of every pair against its missing surface, a panel per dataset.
+
+    Parameters
+    ----------
+    table
+        Rows of kind ``"matching"``: columns ``dataset``, ``method``, ``source_missing``, ``target_missing``
+        (shares in [0, 1]) and ``geodesic_mean``. The line joins the medians of groups of equal size.
+    """
+    datasets = list(dict.fromkeys(table["dataset"]))
+    methods = order_methods(table["method"])
+    colors = method_colors(methods)
+    figure, grid = new_figure(1, len(datasets), 3.3 * len(datasets) + 0.6, 2.9, sharey=True, sharex=True)
+    for axes, dataset in zip(grid[0], datasets, strict=True):
+        for name in methods:
+            part = table[(table["dataset"] == dataset) & (table["method"] == name)]
+            missing = 50 * (part["source_missing"] + part["target_missing"]).to_numpy()
+            error = part["geodesic_mean"].to_numpy()
+            axes.plot(missing, error, ".", color=colors[name], alpha=0.45, markersize=5, mew=0)
+            axes.plot(*_medians(missing, error), color=colors[name], label=name)
+        axes.set_title(dataset)
+        axes.set_xlabel("missing surface, mean of both scans, %")
+        axes.set_ylim(bottom=0)
+        axes.set_xlim(left=0)
+    grid[0][0].set_ylabel("mean geodesic error × 100 / √area")
+    handles, labels = grid[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6))
+    return figure
+
+
+def _medians(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[list[float], list[float]]:
+    """Medians of up to six groups of equal size along x."""
+    order = np.argsort(x, kind="stable")
+    groups = [g for g in np.array_split(order, min(6, max(1, len(x) // 2))) if len(g)]
+    return [float(np.median(x[g])) for g in groups], [float(np.median(y[g])) for g in groups]

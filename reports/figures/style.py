@@ -1,0 +1,130 @@
+"""One look for all figures: colours that everyone can tell apart, few lines, units on every axis."""
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from datasets_gen.records import atomic_path
+
+P = ParamSpec("P")
+
+INK = "#24292f"
+QUIET = "#6e7781"
+GRID = "#e3e6e9"
+ABSENT = "#d9dcdf"
+"""Points that a map says nothing about."""
+
+METHODS = {
+    "medial": "#d55e00",
+    "heat": "#0072b2",
+    "robust": "#009e73",
+    "functional_maps": "#cc79a7",
+    "cpd": "#e69f00",
+    "geodesic": "#56b4e9",
+    "rigid": "#8c8c8c",
+    "ceiling": "#24292f",
+}
+"""Colours of the known methods (Okabe & Ito 2008), the same in every figure of every report."""
+
+_SPARE = ["#882255", "#44aa99", "#ddcc77", "#332288", "#999933", "#aa4499", "#117733", "#661100"]
+_MARKERS = "osD^vP<>X*"
+_SETTINGS: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.5,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8.5,
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.7,
+    "text.color": INK,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 4.5,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "medialbench",
+}
+
+
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Decorate a function that draws a figure: it sees the house style, its caller's is left alone."""
+
+    @wraps(draw)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with mpl.rc_context(_SETTINGS):
+            return draw(*args, **kwargs)
+
+    return wrapper
+
+
+def new_figure(
+    rows: int, columns: int, width: float, height: float, **options: Any
+) -> tuple[Figure, np.ndarray]:
+    """Figure and its (rows, columns) axes; size in inches. Call it from a `styled` function."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def save(figure: Figure, folder: str | os.PathLike[str], name: str, dpi: int = 160) -> Path:
+    """Write ``name.pdf`` and ``name.png`` into a folder; return the path of the PNG.
+
+    The files are the same for the same figure: no dates are written.
+    """
+    with mpl.rc_context(_SETTINGS):
+        for suffix, metadata in ((".pdf", {"CreationDate": None, "Producer": None}), (".png", {})):
+            with atomic_path(Path(folder) / (name + suffix)) as temporary:
+                figure.savefig(temporary, dpi=dpi, metadata=metadata)
+            figure.set_layout_engine("none")  # both formats share one layout, which is slow to find
+    return Path(folder) / f"{name}.png"
+
+
+def method_colors(methods: Iterable[str]) -> dict[str, str]:
+    """Colour of each method; unknown ones get the spare colours in alphabetical order."""
+    names = list(dict.fromkeys(methods))
+    unknown = sorted(name for name in names if name not in METHODS)
+    spare = {name: _SPARE[i % len(_SPARE)] for i, name in enumerate(unknown)}
+    return {name: METHODS.get(name) or spare[name] for name in names}
+
+
+def order_methods(methods: Iterable[str]) -> list[str]:
+    """Methods in the order of `METHODS`, then the unknown ones alphabetically."""
+    known = list(METHODS)
+    return sorted(set(methods), key=lambda name: (known.index(name) if name in known else len(known), name))
+
+
+def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Line colour and marker of each of several ordered series, such as poses."""
+    colors = [*METHODS.values(), *_SPARE]
+    return {
+        name: {"color": colors[i % len(colors)], "marker": _MARKERS[i % len(_MARKERS)]}
+        for i, name in enumerate(names)
+    }
+
+
+def blank(axes: Axes) -> None:
+    """Turn an axes into a bare canvas for a picture."""
+    axes.set_axis_off()
+    axes.set_aspect("equal")
