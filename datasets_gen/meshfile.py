@@ -1,0 +1,89 @@
+"""The one way in which the project reads and writes mesh files."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from datasets_gen.checks import admitted
+from datasets_gen.records import InputError, atomic_path
+from datasets_gen.shape import Shape
+
+MESH_SUFFIXES = (".ply", ".obj", ".off")
+
+
+def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: str = "unknown") -> Shape:
+    """Read a mesh file as it is: vertices and faces in the order of the file, nothing merged or dropped.
+
+    Polygons are cut into triangles in file order, so poses with the same polygons keep the same triangles.
+
+    Parameters
+    ----------
+    path
+        A ``.ply``, ``.obj`` or ``.off`` file.
+    subject
+        Default: the name of the file.
+    units
+        Length unit to note in the shape.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, of another type or not readable.
+    """
+    file = Path(path)
+    if file.suffix.lower() not in MESH_SUFFIXES:
+        kinds = ", ".join(MESH_SUFFIXES)
+        raise InputError(f"{str(path)!r} is not a mesh file this project reads; it reads {kinds}")
+    if not file.is_file():
+        raise InputError(f"{str(path)!r} {'is a folder' if file.is_dir() else 'does not exist'}; give a mesh file")
+    options = {"maintain_order": True, "split_object": False, "group_material": False, "skip_materials": True}
+    try:
+        mesh = trimesh.load(file, process=False, **(options if file.suffix.lower() == ".obj" else {}))
+    except PermissionError as error:
+        raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from error
+    except Exception as error:  # parsers raise anything from IndexError to struct.error on a broken file
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"{str(path)!r} cannot be read as a mesh ({reason}); export it again") from error
+    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
+        raise InputError(f"{str(path)!r} has no faces; a point cloud cannot be scanned, give a mesh")
+    subject = subject or file.stem
+    name = file.stem if subject == file.stem else f"{subject}/{file.stem}"
+    vertices = np.array(mesh.vertices, dtype=np.float64)
+    return Shape(vertices, np.array(mesh.faces, dtype=np.int32), name, subject, file.stem, units)
+
+
+def load_mesh(path: str | os.PathLike[str], *, repair: bool = False, units: str = "unknown") -> Shape:
+    """Load one mesh, checked, with its faces wound outward.
+
+    Parameters
+    ----------
+    path
+        A ``.ply``, ``.obj`` or ``.off`` file, or a shape saved as ``.npz``.
+    repair
+        Go on with the largest component and without degenerate or repeated faces.
+    units
+        Length unit to note in the shape.
+
+    Raises
+    ------
+    InputError
+        If the file or the mesh in it cannot be used (`datasets_gen.check_mesh`).
+    """
+    return admitted([Shape.load(path) if Path(path).suffix == ".npz" else read_mesh(path, units=units)], repair)[0]
+
+
+def write_mesh(shape: Shape, path: str | os.PathLike[str]) -> None:
+    """Write a shape as a binary ``.ply`` (single precision) or as ``.obj`` or ``.off``, atomically.
+
+    Raises
+    ------
+    InputError
+        For another suffix, or a folder that cannot be written.
+    """
+    file = Path(path)
+    if file.suffix.lower() not in MESH_SUFFIXES:
+        raise InputError(f"cannot write {str(path)!r}; choose one of {', '.join(MESH_SUFFIXES)}")
+    with atomic_path(file) as temporary:
+        trimesh.Trimesh(shape.vertices, shape.faces, process=False).export(temporary)

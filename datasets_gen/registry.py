@@ -1,0 +1,78 @@
+"""Collections by name: built-in bodies and folders of meshes."""
+
+import difflib
+import inspect
+import logging
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from datasets_gen import human, quadruped
+from datasets_gen.bodies import BodyPlan, build
+from datasets_gen.cache import cache_path, fetch, store
+from datasets_gen.folder import load_folder
+from datasets_gen.records import InputError
+from datasets_gen.shape import Collection
+
+_log = logging.getLogger(__name__)
+
+BUILT_IN: dict[str, Callable[[int], BodyPlan]] = {
+    "human": human.plan,
+    "quadruped": quadruped.plan,
+}
+
+
+def names() -> tuple[str, ...]:
+    """Names of the built-in collections."""
+    return tuple(BUILT_IN)
+
+
+def load(name: str | os.PathLike[str], **options: Any) -> Collection:
+    """Load the poses of one subject.
+
+    Parameters
+    ----------
+    name
+        A built-in body (`names`) or the path of a folder with one mesh file per pose.
+    **options
+        Of a built-in body: `seed` (int, proportions; 0 is the default body) and `poses` (names, default
+        all). Of a folder: those of `load_folder`.
+
+    Raises
+    ------
+    InputError
+        If the name is neither, or an option is not known.
+    """
+    if str(name) in BUILT_IN:
+        return _called(_load_built_in, str(name), options)
+    if Path(name).is_dir():
+        return _called(load_folder, str(name), options)
+    close = difflib.get_close_matches(str(name), names(), n=1, cutoff=0.4)
+    hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(names())}"
+    raise InputError(f"no dataset {str(name)!r}, and no folder of that name; {hint}")
+
+
+def _called(loader: Callable[..., Collection], name: str, options: dict[str, Any]) -> Collection:
+    known = [parameter for parameter in inspect.signature(loader).parameters][1:]
+    for option in options:
+        if option not in known:
+            raise InputError(f"dataset {name!r} has no option {option!r}; it has {', '.join(known)}")
+    return loader(name, **options)
+
+
+def _load_built_in(
+    name: str, *, seed: int = 0, poses: list[str] | tuple[str, ...] | None = None
+) -> Collection:
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise InputError(f"seed of {name!r} is {seed!r}; give an integer from 0 on")
+    path = cache_path(name, {"seed": seed})
+    collection = fetch(path)
+    if collection is None:
+        _log.info("building %r with seed %d", name, seed)
+        collection = build(BUILT_IN[name](seed))
+        store(path, collection)
+    if poses is None:
+        return collection
+    return replace(collection, shapes=tuple(collection[pose] for pose in dict.fromkeys(poses)))
