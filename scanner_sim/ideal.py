@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 from scanner_sim.config import ScannerConfig
-from scanner_sim.rays import shading_normals
+from scanner_sim.geometry import shading_normals
 from scanner_sim.scan import Scan
 from scanner_sim.thinning import farthest_points
 

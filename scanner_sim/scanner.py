@@ -9,7 +9,8 @@ from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 from scanner_sim import peak, stripe, viewpoints
 from scanner_sim.config import ScannerConfig
-from scanner_sim.rays import Hits, Tracer, camera_rays, shading_normals
+from scanner_sim.geometry import shading_normals
+from scanner_sim.rays import Hits, Tracer, camera_rays
 from scanner_sim.scan import Scan
 
 
