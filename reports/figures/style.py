@@ -1,5 +1,6 @@
 """One look for all figures: colours that everyone can tell apart, few lines, units on every axis."""
 
+import itertools
 import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
@@ -102,17 +103,25 @@ def save(figure: Figure, folder: str | os.PathLike[str], name: str, dpi: int = 1
 
 
 def method_colors(methods: Iterable[str]) -> dict[str, str]:
-    """Colour of each method; unknown ones get the spare colours in alphabetical order."""
-    names = list(dict.fromkeys(methods))
-    unknown = sorted(name for name in names if name not in METHODS)
-    spare = {name: _SPARE[i % len(_SPARE)] for i, name in enumerate(unknown)}
-    return {name: METHODS.get(name) or spare[name] for name in names}
+    """Colour of each label: of the known method it begins with; a spare one if that is taken or unknown."""
+    labels = order_methods(methods)
+    colors: dict[str, str] = {}
+    spare = itertools.cycle(_SPARE)
+    for label in labels:
+        known = METHODS.get(_known(label), "")
+        colors[label] = known if known and known not in colors.values() else next(spare)
+    return colors
 
 
 def order_methods(methods: Iterable[str]) -> list[str]:
-    """Methods in the order of `METHODS`, then the unknown ones alphabetically."""
-    known = list(METHODS)
-    return sorted(set(methods), key=lambda name: (known.index(name) if name in known else len(known), name))
+    """Labels in the order of `METHODS`, the unknown ones last; the shorter first, then by the alphabet."""
+    known = [*METHODS, ""]
+    return sorted(set(methods), key=lambda label: (known.index(_known(label)), len(label), label))
+
+
+def _known(label: str) -> str:
+    """The known method that a label begins with, such as "medial" for "medial diffusion"; empty if none."""
+    return next((name for name in METHODS if label.lower().replace(" ", "_").startswith(name)), "")
 
 
 def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:

@@ -1,0 +1,40 @@
+"""``medialbench compare``: the leaderboard of a results folder, and whether differences mean anything."""
+
+from pathlib import Path
+
+import click
+
+from reports.console import Command, Failure, output
+
+MEASURES = ("geodesic_mean", "geodesic_median", "geodesic_symmetric_mean", "medial_mean")
+
+
+@click.command(cls=Command, short_help="Leaderboard of a results folder, with paired tests.")
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--measure",
+    type=click.Choice(MEASURES),
+    default=MEASURES[0],
+    show_default=True,
+    help="What the tests compare.",
+)
+def compare(folder: Path, measure: str, quiet: bool) -> None:
+    """Show the leaderboard of the results in DIR with its spread over seeds, and paired tests of the methods.
+
+    The tests are two-sided Wilcoxon signed-rank tests over pairs of scans, corrected for their number (Holm).
+    """
+    from evaluation.store import ResultsStore
+    from reports.statistics import paired_tests
+    from reports.tables import leaderboard, plain
+    from reports.terminal import leaderboard_table, tests_table
+
+    table = plain(ResultsStore(folder).table())
+    board = leaderboard(table)
+    if board.empty:
+        raise Failure(
+            f"{str(folder)!r} holds no correspondences to compare; run an experiment with [matching]"
+        )
+    output().print(leaderboard_table(board))
+    tests = paired_tests(table, measure)
+    if len(tests):
+        output().print(tests_table(tests, measure))

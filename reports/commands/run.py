@@ -1,0 +1,139 @@
+"""``medialbench run``: an experiment from shapes to report."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from reports.console import Command, Failure, note, output, remarks
+
+if TYPE_CHECKING:
+    from evaluation import Experiment, ResultsStore
+
+INTERRUPTED = 130
+
+
+@click.command(cls=Command)
+@click.argument("experiment", metavar="PRESET|CONFIG.toml")
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="Results folder.  [default: results/NAME]")
+@click.option(
+    "--dataset",
+    "datasets",
+    multiple=True,
+    metavar="NAME|FOLDER",
+    help="Use this data set instead of the experiment's: built in, or a folder with one mesh per pose; may be repeated.",
+)
+@click.option(
+    "-j", "--jobs", type=click.IntRange(min=1), help="Worker processes.  [default: number of processors]"
+)
+@click.option(
+    "--scheduler", metavar="tcp://HOST:PORT", help="Use a running Dask cluster instead of local workers."
+)
+@click.option("--force", is_flag=True, help="Run everything again, even what is stored.")
+@click.option("--dry-run", is_flag=True, help="Say what would run, and run nothing.")
+@click.option(
+    "--report/--no-report", "with_report", default=True, help="Whether to write the report.  [default: yes]"
+)
+def run(
+    experiment: str,
+    out: Path | None,
+    datasets: tuple[str, ...],
+    jobs: int | None,
+    scheduler: str | None,
+    force: bool,
+    dry_run: bool,
+    with_report: bool,
+    quiet: bool,
+) -> None:
+    """Scan, match, score and report: run a PRESET or an experiment described by a TOML file.
+
+    Results that are stored in the folder already are used again, so the same command goes on after an
+    interruption. Ends with the leaderboard and the path of the report.
+    """
+    from reports.commands.paths import check_output_folder
+
+    settings = load_experiment(experiment, datasets)
+    folder = check_output_folder(out or Path("results") / settings.name)
+    if dry_run:
+        _preview(settings, folder)
+        return
+    store = _sweep(settings, folder, quiet, jobs=jobs, scheduler=scheduler, force=force)
+    _finish(store, with_report, quiet)
+
+
+def load_experiment(name: str, datasets: tuple[str, ...]) -> "Experiment":
+    """An experiment by name or path, with other data sets if given; each takes the poses of the first one's rule."""
+    from dataclasses import replace
+
+    from evaluation.experiment import Dataset, Experiment
+
+    experiment = Experiment.load(name)
+    if not datasets:
+        return experiment
+    rule = experiment.dataset[0].poses
+    poses: Any = "all" if isinstance(rule, tuple) else rule
+    return replace(experiment, dataset=tuple(Dataset(name=each, poses=poses) for each in datasets))
+
+
+def _sweep(settings: "Experiment", folder: Path, quiet: bool, **options: Any) -> "ResultsStore":
+    from evaluation import run as run_experiment
+    from evaluation.progress import Bars, Silent
+
+    note(quiet, f"{settings.name}: {settings.description}" if settings.description else settings.name)
+    try:
+        return run_experiment(
+            settings, folder, progress=Silent() if quiet else Bars(console=remarks()), **options
+        )
+    except KeyboardInterrupt as stop:
+        failure = Failure(f"interrupted; what is done is stored in {str(folder)!r}, the same command goes on")
+        failure.exit_code = INTERRUPTED
+        raise failure from stop
+
+
+def _preview(settings: "Experiment", folder: Path) -> None:
+    from evaluation import preview
+
+    outlook = preview(settings, folder)
+    say = output().print
+    if outlook.unknown:
+        say(
+            f"data sets still to be made, their tasks are not counted: {', '.join(outlook.unknown)}",
+            markup=False,
+        )
+    for stage, count in outlook.waiting.items():
+        say(f"{stage:10} {count:6} to run", markup=False)
+    say(
+        f"{outlook.stored} results are stored already and would be used; the table would have {outlook.rows} rows"
+    )
+    for label, reason in outlook.unavailable.items():
+        say(f"{label}: would not run: {reason}", markup=False)
+    if not any(outlook.waiting.values()) and not outlook.unknown:
+        say("nothing to run: every result of this experiment is stored")
+
+
+def _finish(store: "ResultsStore", with_report: bool, quiet: bool) -> None:
+    """Leaderboard, report, and a failure that counts the failures."""
+    from reports.commands.report import write_report
+    from reports.page import PAIRS
+    from reports.tables import leaderboard, plain
+
+    table = plain(store.table())
+    page = write_report(store.folder, None, PAIRS, quiet) if with_report and len(table) else None
+    board = leaderboard(table)
+    if len(board) and not quiet:
+        from reports.terminal import leaderboard_table
+
+        output().print(leaderboard_table(board))
+    if page is not None:
+        note(quiet, "report:")
+        output().print(str(page), markup=False, soft_wrap=True)
+    failures = store.failures()
+    for _, row in failures[failures["kind"] == "unavailable"].iterrows():
+        note(quiet, f"{row['label']} did not run: {row['reason']}")
+    failed = failures[failures["kind"] != "unavailable"]
+    if len(failed):
+        first = failed.iloc[0]
+        where = str(store.folder / "failures.csv")
+        raise Failure(
+            f"{len(failed)} tasks have no result, listed in {where}; {first['label']}: {first['reason']}"
+        )

@@ -1,0 +1,100 @@
+"""``medialbench scan``: a mesh through the simulated laser scanner."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from reports.console import Command, note, steps
+
+
+@click.command(cls=Command)
+@click.argument("mesh", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--out",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Scan to write: .npz (everything) or .ply.",
+)
+@click.option(
+    "-t",
+    "--peak-threshold",
+    type=float,
+    help="Smallest accepted laser peak, in (0, 1]; higher loses more surface.  [default: 0.1]",
+)
+@click.option("--views", help="Viewpoints: a number, sphere:N, ring:N or opposed.  [default: 10]")
+@click.option(
+    "--points", type=click.IntRange(min=1), help="Keep this many points, evenly spread.  [default: all]"
+)
+@click.option("--seed", default=0, show_default=True, help="Of the noise and of the even spread.")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Another setting of scanner_sim.ScannerConfig, as noise=0.1; may be repeated.",
+)
+@click.option("--repair", is_flag=True, help="Go on with the largest component and without degenerate faces.")
+def scan(
+    mesh: Path,
+    out: Path,
+    peak_threshold: float | None,
+    views: str | None,
+    points: int | None,
+    seed: int,
+    settings: tuple[str, ...],
+    repair: bool,
+    quiet: bool,
+) -> None:
+    """Scan MESH (.ply, .obj or .off) with the simulated laser scanner.
+
+    Every point of the scan knows its face and barycentric coordinates on the mesh.
+    """
+    from datasets_gen import load_mesh
+    from reports.commands.paths import check_output_file
+
+    check_output_file(out, (".npz", ".ply"))
+    named = {"views": _number(views), "peak_threshold": peak_threshold}
+    given = {name: value for name, value in named.items() if value is not None} | _parsed(settings)
+    with steps(
+        quiet, [("reading the mesh", 1), ("starting the scanner", 2), ("scanning", 10), ("writing", 2)]
+    ) as step:
+        next(step)
+        shape = load_mesh(mesh, repair=repair)
+        next(step)
+        import scanner_sim
+
+        config = scanner_sim.ScannerConfig.from_dict(given)
+        next(step)
+        cloud = scanner_sim.scan(shape, config, seed)
+        missing = 1 - scanner_sim.coverage(cloud, shape)
+        acquired = len(cloud)
+        if points is not None:
+            cloud = cloud.subsample(points, seed)
+        next(step)
+        cloud.save(out)
+    kept = f", {len(cloud):,} kept" if len(cloud) < acquired else ""
+    note(
+        quiet, f"{acquired:,} points{kept}; {100 * missing:.1f} % of the surface is missing; written to {out}"
+    )
+
+
+def _number(views: str | None) -> int | str | None:
+    return int(views) if views is not None and views.lstrip("-").isdigit() else views
+
+
+def _parsed(settings: tuple[str, ...]) -> dict[str, Any]:
+    """NAME=VALUE pairs; values as in TOML, or else text."""
+    import tomllib
+
+    table: dict[str, Any] = {}
+    for setting in settings:
+        name, equals, value = setting.partition("=")
+        if not equals or not name:
+            raise click.UsageError(f"--set takes NAME=VALUE, got {setting!r}")
+        try:
+            table[name.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            table[name.strip()] = value.strip()
+    return table
