@@ -1,0 +1,122 @@
+"""Dask: a cluster on this machine, or one that runs already."""
+
+import contextlib
+import logging
+import os
+import uuid
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from datasets_gen.records import InputError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+SETTINGS = {
+    "distributed.scheduler.worker-ttl": None,  # compiled code may hold the interpreter for minutes
+    "distributed.scheduler.allowed-failures": 3,
+    "distributed.admin.tick.limit": "1h",
+    "distributed.worker.memory.target": False,  # results go to the folder: nothing to spill
+    "distributed.worker.memory.spill": False,
+    "distributed.worker.memory.pause": False,
+    "distributed.nanny.pre-spawn-environ.NUMBA_NUM_THREADS": 1,
+    "distributed.nanny.pre-spawn-environ.OMP_NUM_THREADS": 1,
+    "distributed.nanny.pre-spawn-environ.OPENBLAS_NUM_THREADS": 1,
+    "distributed.nanny.pre-spawn-environ.MKL_NUM_THREADS": 1,
+}
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """A connected cluster.
+
+    Attributes
+    ----------
+    client
+    workers : int
+        Threads that run tasks.
+    dashboard : str
+        Address of Dask's dashboard, or how to get one; empty if there is none.
+    """
+
+    client: "Client"
+    workers: int
+    dashboard: str
+
+
+@contextlib.contextmanager
+def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[Cluster]:
+    """A cluster whose workers see the results folder.
+
+    Parameters
+    ----------
+    folder
+        The results folder.
+    jobs
+        Worker processes on this machine, one thread each; the number of usable processors if None.
+        Ignored with a scheduler.
+    scheduler
+        Address of a running scheduler, ``"tcp://host:port"``; None starts a local cluster.
+
+    Raises
+    ------
+    InputError
+        If the scheduler cannot be reached, has no workers, or they do not see the folder.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+
+    with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        if scheduler is None:
+            local = LocalCluster(
+                n_workers=jobs or len(os.sched_getaffinity(0)),
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=":0" if find_spec("bokeh") else None,
+                silence_logs=logging.CRITICAL,
+            )
+            client = Client(stack.enter_context(local))
+        else:
+            client = _join(Client, scheduler)
+        stack.enter_context(client)
+        _check(client, folder)
+        threads = sum(client.nthreads().values())
+        yield Cluster(client, threads, _dashboard(client))
+
+
+def _join(kind: type["Client"], scheduler: str) -> "Client":
+    try:
+        client = kind(scheduler, timeout=10)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            f"no Dask scheduler answers at {scheduler!r}: start `dask scheduler` there"
+        ) from error
+    if not client.nthreads():
+        client.close()
+        raise InputError(f"the scheduler at {scheduler!r} has no workers: start `dask worker {scheduler}`")
+    return client
+
+
+def _check(client: "Client", folder: Path) -> None:
+    """Every worker must see the results folder, since all results go through it."""
+    token = folder / f".probe-{uuid.uuid4().hex}"
+    token.touch()
+    try:
+        seen: dict[str, Any] = client.run(os.path.exists, str(token))
+    finally:
+        token.unlink(missing_ok=True)
+    blind = sorted(address for address, found in seen.items() if found is not True)
+    if blind:
+        raise InputError(
+            f"worker {blind[0]} does not see {str(folder)!r}; use a folder on a shared file system"
+        )
+
+
+def _dashboard(client: "Client") -> str:
+    if not find_spec("bokeh"):
+        return "needs bokeh: pip install bokeh"
+    return str(client.dashboard_link or "")

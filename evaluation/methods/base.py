@@ -1,0 +1,121 @@
+"""The one interface of all methods: two clouds in, a map with confidence out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.records import InputError
+from evaluation.settings import build
+from medial.diffusion import Diffusion
+from medial.matching_types import Matching
+from scanner_sim.scan import Scan
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """What a method may know of one side of a pair.
+
+    Attributes
+    ----------
+    name : str
+        Key of the scan in the results folder: no two clouds share it.
+    scan : Scan
+        Points, normals, views. Its ground truth (``face_ids``, ``barycentrics``, ``true_points``) is for
+        scoring: a method that looks at it sets `Method.uses_truth`.
+    operators : Mapping
+        Diffusions by name, for the names in `Method.operators`.
+    truth : (n, 3) float64 or None
+        The points on the rest pose; given only to methods that declare `Method.uses_truth`.
+    """
+
+    name: str
+    scan: Scan
+    operators: Mapping[str, Diffusion] = field(default_factory=dict)
+    truth: NDArray[np.float64] | None = None
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.scan)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 3)."""
+        return self.scan.points
+
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        """(n, 3), outward."""
+        return self.scan.normals
+
+
+@dataclass(frozen=True, kw_only=True)
+class Method:
+    """Base class; the fields of a subclass are its options, settable from TOML.
+
+    Subclasses set the class variables and implement `match`. Everything random draws from the seed.
+    """
+
+    operators: ClassVar[tuple[str, ...]] = ()
+    """Operators it needs on both clouds: ``"medial"``, ``"heat"``, ``"robust"``; built once and shared."""
+    requires: ClassVar[Mapping[str, str]] = {}
+    """Optional packages: import name to the argument of ``pip install``."""
+    uses_truth: ClassVar[bool] = False
+    """Whether it looks at the ground truth (ceilings do)."""
+
+    @classmethod
+    def from_options(cls, options: Mapping[str, Any]) -> "Method":
+        """The method with options as read from a file.
+
+        Raises
+        ------
+        InputError
+            If an option is unknown or refused.
+        """
+        return build(cls, dict(options), f"method {cls.__name__}")
+
+    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+        """Find the target point of every source point.
+
+        Returns
+        -------
+        Matching
+            With ``source_to_target`` in [-1, n_target), -1 for no match, and ``confidence`` in [0, 1].
+        """
+        raise NotImplementedError(f"{type(self).__name__} does not implement match")
+
+    def fingerprint(self) -> str:
+        """Hash of files that decide the result besides code and options; empty if there are none."""
+        return ""
+
+
+def dense(
+    source_to_target: NDArray[np.integer],
+    confidence: NDArray[np.float64],
+    *,
+    landmarks: NDArray[np.integer] | None = None,
+    cost: float = 0.0,
+    seed: int = 0,
+) -> Matching:
+    """A `Matching` from a map alone, for methods without landmarks or restarts.
+
+    Raises
+    ------
+    InputError
+        If the two arrays differ in length.
+    """
+    if len(source_to_target) != len(confidence):
+        raise InputError(
+            f"{len(source_to_target)} matches with {len(confidence)} confidences; give one for each"
+        )
+    pairs = np.zeros((0, 2), np.int64) if landmarks is None else np.asarray(landmarks, np.int64)
+    return Matching(
+        source_to_target=np.asarray(source_to_target, np.int64),
+        landmarks=pairs,
+        cost=float(cost),
+        confidence=np.clip(np.asarray(confidence, np.float64), 0, 1),
+        restarts={},
+        seed=seed,
+    )

@@ -1,0 +1,161 @@
+"""Runs tasks on a Dask cluster: in the order their inputs come in, a few at a time, whatever fails."""
+
+import heapq
+import logging
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from evaluation.cluster import Cluster
+from evaluation.progress import Progress
+from evaluation.tasks import Report, Task
+from evaluation.worker import run_task
+
+log = logging.getLogger(__name__)
+
+IN_FLIGHT = 3
+"""Tasks handed to the scheduler per worker: enough that none waits, few enough that memory stays flat."""
+
+Runner = Callable[[str, Task, str, float], Report]
+
+
+class Queue:
+    """Tasks whose inputs are there, the earliest planned first; and what follows when one ends.
+
+    Parameters
+    ----------
+    tasks
+        To be run, inputs before the tasks that need them.
+    stored
+        Keys of results that are there already.
+    """
+
+    def __init__(self, tasks: Collection[Task], stored: Collection[str]) -> None:
+        self._tasks = list(tasks)
+        number = {task.key: i for i, task in enumerate(self._tasks)}
+        self._missing = [0] * len(self._tasks)
+        self._followers: dict[str, list[int]] = defaultdict(list)
+        self._number = number
+        self._ready: list[int] = []
+        self._ended: set[str] = set()
+        for i, task in enumerate(self._tasks):
+            for key in dict.fromkeys(task.inputs.values()):
+                if key in number:
+                    self._missing[i] += 1
+                    self._followers[key].append(i)
+                elif key not in stored:
+                    raise ValueError(f"task {task.key!r} needs {key!r}, which is neither stored nor planned")
+            if not self._missing[i]:
+                self._ready.append(i)
+        heapq.heapify(self._ready)
+
+    def pop(self) -> Task | None:
+        """The next task that can run; None if all wait for others."""
+        return self._tasks[heapq.heappop(self._ready)] if self._ready else None
+
+    def succeeded(self, task: Task) -> None:
+        """Free the tasks that waited for this one alone."""
+        self._ended.add(task.key)
+        for i in self._followers.pop(task.key, ()):
+            self._missing[i] -= 1
+            if not self._missing[i] and self._tasks[i].key not in self._ended:
+                heapq.heappush(self._ready, i)
+
+    def failed(self, task: Task) -> Iterator[Task]:
+        """Give up on what needs this task; yields those tasks, each once."""
+        self._ended.add(task.key)
+        waiting = list(self._followers.pop(task.key, ()))
+        while waiting:
+            follower = self._tasks[waiting.pop(0)]
+            if follower.key not in self._ended:
+                self._ended.add(follower.key)
+                waiting.extend(self._followers.pop(follower.key, ()))
+                yield follower
+
+
+def execute(
+    cluster: Cluster,
+    folder: Path,
+    tasks: Collection[Task],
+    stored: Collection[str],
+    *,
+    run: str,
+    limit: float,
+    progress: Progress,
+    runner: Runner = run_task,
+) -> list[Report]:
+    """Run tasks; returns the reports of those that have no result.
+
+    Parameters
+    ----------
+    cluster
+    folder
+        The results folder.
+    tasks
+        Inputs before the tasks that need them.
+    stored
+        Keys of results that are there already.
+    run
+        Name of the run.
+    limit
+        Seconds per task.
+    progress
+        Told of every task that ends.
+    runner
+        What a worker calls; `run_task` but for tests.
+    """
+    from distributed import as_completed
+
+    queue = Queue(tasks, stored)
+    failures: list[Report] = []
+    flying: dict[str, Task] = {}
+    done = as_completed(with_results=True, raise_errors=False)
+
+    def submit() -> None:
+        while len(flying) < IN_FLIGHT * cluster.workers:
+            task = queue.pop()
+            if task is None:
+                return
+            key = f"{task.key}-{run}"
+            flying[key] = task
+            done.add(
+                cluster.client.submit(runner, str(folder), task, run, limit, key=key, pure=False, retries=0)
+            )
+
+    submit()
+    while flying:
+        future, result = next(done)
+        task = flying.pop(future.key)
+        report = result if isinstance(result, Report) else _lost(task, result)
+        for each in _settle(queue, report):
+            failures.extend([] if each.ok else [each])
+            progress.advance(each)
+        submit()
+    return failures
+
+
+def _settle(queue: Queue, report: Report) -> Iterator[Report]:
+    """The report itself, and one for every task that cannot run because of it."""
+    yield report
+    if report.ok:
+        queue.succeeded(report.task)
+        return
+    log.info("failed: %s: %s", report.task.label, report.reason)
+    for follower in queue.failed(report.task):
+        reason = f"not run because of {report.task.label!r} ({report.task.stage}): {report.reason}"
+        yield Report(follower, False, reason, "blocked")
+
+
+def _lost(task: Task, result: Any) -> Report:
+    """A report for a task whose worker never answered."""
+    error = result[1] if isinstance(result, tuple) and len(result) == 3 else result
+    return Report(task, False, f"{type(error).__name__}: {error}".splitlines()[0], "crash")
+
+
+def by_stage(tasks: Collection[Task]) -> Mapping[str, int]:
+    """Number of tasks of each stage."""
+    counts: dict[str, int] = defaultdict(int)
+    for task in tasks:
+        counts[task.stage] += 1
+    return dict(counts)
