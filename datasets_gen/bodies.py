@@ -23,12 +23,15 @@ class Detail:
 
     Attributes
     ----------
+    bone : str
+        Bone that it goes with.
     center : (3,)
     radius : float
     edge : float
         Wanted edge length inside.
     """
 
+    bone: str
     center: Array
     radius: float
     edge: float
@@ -82,26 +85,36 @@ def triangulate(plan: BodyPlan, rounds: int = 12) -> tuple[Array, Ints, Ints | N
     -------
     vertices (v, 3), faces (f, 3), mirror (v,) or None
     """
-    lower, upper = plan.surface.bounds() + [[-4 * plan.spacing], [4 * plan.spacing]]
+    lower, upper = plan.surface.bounds() + [[-3 * plan.spacing], [3 * plan.spacing]]
     if plan.symmetric:
         lower[0] = 0.0
-    shape = tuple(int(n) for n in np.ceil((upper - lower) / plan.spacing).astype(int) + 1)
-    field = plan.surface.on_grid(lower, plan.spacing, shape, far=4 * plan.spacing)  # type: ignore[arg-type]
+    x, y, z = (np.arange(lower[k], upper[k] + plan.spacing, plan.spacing) for k in range(3))
+    field = plan.surface.on_grid((x, y, z), far=4 * plan.spacing)
     field[np.abs(field) < 1e-6] = 1e-6  # a value of exactly zero makes triangles without area
-    grid, triangles, _, _ = marching_cubes(field, 0.0)
-    faces = triangles.astype(np.int64)
-    vertices = grid.astype(np.float64) * plan.spacing + lower
-    vertices, faces = remesh(*compact(vertices, faces), plan.sizing, _Projector(plan.surface), rounds)
+    nodes, triangles, _, _ = marching_cubes(field, 0.0)
+    vertices, faces = compact(nodes.astype(np.float64) * plan.spacing + lower, triangles.astype(np.int64))
+    vertices, faces = remesh(vertices, faces, plan.sizing, Projector(plan.surface), rounds)
     return _completed(vertices, faces) if plan.symmetric else (vertices, faces, None)
 
 
-class _Projector:
-    """Newton steps along the gradient onto a surface; flagged points stay at x = 0."""
+@dataclass(frozen=True)
+class Projector:
+    """Newton steps along the gradient onto a surface.
 
-    def __init__(self, surface: Body, steps: int = 2) -> None:
-        self.surface, self.steps = surface, steps
+    Attributes
+    ----------
+    surface : Body
+    steps : int
+    reach : float
+        Longest step, metres.
+    """
+
+    surface: Body
+    steps: int = 2
+    reach: float = 0.005
 
     def __call__(self, points: Array, flat: NDArray[np.bool_]) -> Array:
+        """Project points (n, 3); those flagged (n,) stay at x = 0."""
         points = points.copy()
         points[flat, 0] = 0
         for _ in range(self.steps):
@@ -110,7 +123,7 @@ class _Projector:
             step = -self.surface(points)[:, None] * gradient
             step /= np.maximum(np.einsum("nd,nd->n", gradient, gradient), 0.25)[:, None]
             length = np.linalg.norm(step, axis=1, keepdims=True)
-            points += step * np.minimum(1, 0.005 / np.maximum(length, 1e-12))
+            points += step * np.minimum(1, self.reach / np.maximum(length, 1e-12))
         return points
 
 

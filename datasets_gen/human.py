@@ -1,142 +1,230 @@
-"""The procedural human: skeleton, surface and poses."""
+"""The procedural human: skeleton, surface and poses.
+
+Metres; x to the left of the body, y up, z to the front; soles at y = 0, about 1.75 m tall.
+"""
 
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from datasets_gen.bodies import BodyPlan, Detail
-from datasets_gen.implicit import Body, Ellipsoid, Part, Sweep, unit
-from datasets_gen.skeleton import Bone, Pose, Skeleton, bone
+from datasets_gen.human_poses import POSES
+from datasets_gen.implicit import Body, Part, ellipsoid, sweep, unit
+from datasets_gen.proportions import FLIP, Region, both_sides, proportioned, random_scales, side_regions
+from datasets_gen.skeleton import Skeleton, ball, hinge
 
 Array = NDArray[np.float64]
 X, Y, Z = np.eye(3)
-FLIP = np.array([-1.0, 1, 1])
 
+EDGE, SPACING = 0.0145, 0.005
+SIDES_DIFFER = {"arm.R": (0.88, 1.15), "hand.R": (1.05, 1.08), "leg.L": (1.0, 1.10), "foot.L": (1.06, 1.05)}
 
-def mirrored(part: Part) -> Part:
-    bones = tuple(b[:-2] + ".R" if b.endswith(".L") else b for b in part.bones)
-    if isinstance(part, Ellipsoid):
-        return replace(part, bones=bones, center=part.center * FLIP, axes=part.axes * FLIP)
-    profile = part.profile * np.array([1, 1, 1, -1, 1.0])
-    return replace(
-        part, bones=bones, start=part.start * FLIP, end=part.end * FLIP, front=part.front * FLIP, profile=profile
-    )
-
-
-def ball(name: str, parent: str | None, head: ArrayLike, tail: ArrayLike, flex: ArrayLike) -> Bone:
-    start, end = np.asarray(head, float), np.asarray(tail, float)
-    return Bone(name, parent, start, end, np.stack([np.asarray(flex, float), unit(end - start), Z]))
-
-
-ARM = np.radians(48)
-D = np.array([np.cos(ARM), -np.sin(ARM), 0.0])
-SHOULDER = np.array([0.175, 1.415, -0.015])
-ELBOW = SHOULDER + 0.28 * D
-WRIST = ELBOW + 0.25 * D + [0, 0, 0.015]
-HAND = unit(WRIST - ELBOW)
+ARM_DROP = np.radians(46)  # of the rest pose below the horizontal
+ARM = np.array([np.cos(ARM_DROP), -np.sin(ARM_DROP), 0.0])
+PALM = np.array([-np.sin(ARM_DROP), -np.cos(ARM_DROP), 0.0])
+SHOULDER = np.array([0.178, 1.408, -0.022])
+ELBOW = SHOULDER + 0.285 * ARM + np.array([0, 0, -0.008])
+WRIST = SHOULDER + 0.535 * ARM + np.array([0, 0, 0.012])
+HIP, KNEE, ANKLE = np.array([0.096, 0.905, 0.0]), np.array([0.112, 0.49, 0.004]), np.array([0.126, 0.085, -0.028])
+TOE_OUT = unit([0.13, 0, 1])
+BALL = ANKLE * [1, 0, 1] + 0.135 * TOE_OUT + [0, 0.02, 0]
 
 
 def skeleton() -> Skeleton:
+    """Bones of the human."""
     middle = [
-        ball("pelvis", None, (0, 0.94, -0.005), (0, 1.03, -0.005), X),
+        ball("pelvis", None, (0, 0.95, -0.01), (0, 1.03, -0.005), X),
         ball("waist", "pelvis", (0, 1.04, -0.005), (0, 1.13, -0.005), X),
         ball("ribs", "waist", (0, 1.13, -0.005), (0, 1.24, -0.01), X),
-        ball("chest", "ribs", (0, 1.24, -0.01), (0, 1.42, -0.02), X),
-        ball("neck", "chest", (0, 1.45, -0.025), (0, 1.55, -0.01), X),
-        ball("head", "neck", (0, 1.56, -0.01), (0, 1.72, 0), X),
+        ball("chest", "ribs", (0, 1.24, -0.01), (0, 1.42, -0.025), X),
+        ball("neck", "chest", (0, 1.445, -0.035), (0, 1.55, -0.012), X),
+        ball("head", "neck", (0, 1.565, -0.012), (0, 1.72, 0), X),
     ]
     left = [
-        bone("clavicle.L", "chest", (0.03, 1.42, 0), SHOULDER, Z),
+        hinge("clavicle.L", "chest", (0.025, 1.415, 0.0), SHOULDER, Z),
         ball("upper_arm.L", "clavicle.L", SHOULDER, ELBOW, -X),
-        bone("forearm.L", "upper_arm.L", ELBOW, WRIST, np.cross(D, Z)),
-        bone("hand.L", "forearm.L", WRIST, WRIST + 0.17 * HAND, -Z),
-        ball("thigh.L", "pelvis", (0.088, 0.90, 0), (0.098, 0.49, 0.005), -X),
-        bone("shin.L", "thigh.L", (0.098, 0.49, 0.0), (0.105, 0.085, -0.03), X),
-        bone("foot.L", "shin.L", (0.105, 0.085, -0.03), (0.115, 0.025, 0.11), -X),
-        bone("toes.L", "foot.L", (0.115, 0.025, 0.11), (0.12, 0.02, 0.18), -X),
+        hinge("forearm.L", "upper_arm.L", ELBOW, WRIST, np.cross(ARM, Z)),
+        hinge("hand.L", "forearm.L", WRIST, WRIST + 0.17 * ARM, np.cross(ARM, PALM)),
+        ball("thigh.L", "pelvis", HIP, KNEE, -X),
+        hinge("shin.L", "thigh.L", KNEE, ANKLE, X),
+        hinge("foot.L", "shin.L", ANKLE, BALL, -X),
+        hinge("toes.L", "foot.L", BALL, BALL + 0.06 * TOE_OUT, -X),
     ]
     return Skeleton((*middle, *left, *(b.mirrored() for b in left)))
 
 
-def sweep(bones: str, start: ArrayLike, end: ArrayLike, rows: ArrayLike, caps: tuple[float, float],
-          blend: float = 0.03, front: ArrayLike = Z) -> Sweep:
-    profile = np.array([[*row, *([0.0] * (5 - len(row)))] for row in rows], dtype=float)
-    return Sweep(bones=tuple(bones.split()), start=np.asarray(start, float), end=np.asarray(end, float),
-                 front=np.asarray(front, float), profile=profile, caps=caps, blend=blend)
-
-
-def ellipsoid(bones: str, center: ArrayLike, radii: ArrayLike, blend: float = 0.03, carve: bool = False,
-              axes: ArrayLike = np.eye(3)) -> Ellipsoid:
-    return Ellipsoid(bones=tuple(bones.split()), center=np.asarray(center, float), radii=np.asarray(radii, float),
-                     axes=np.asarray(axes, float), blend=blend, carve=carve)
-
-
 def surface() -> Body:
-    y0, y1 = 0.88, 1.46
-    torso_rows = [
-        (0.88, .145, .095, -.008), (0.95, .162, .108, -.012), (1.02, .150, .10, -.004), (1.10, .133, .09, .004),
-        (1.20, .145, .103, .004), (1.29, .160, .113, .0), (1.36, .158, .10, -.01), (1.42, .12, .075, -.02),
-        (1.46, .07, .058, -.025),
+    """Surface of the human."""
+    left = [*_chest_side(), *_arm(), *_hand(), *_leg(), *_foot(), *_face_side()]
+    return Body((*_torso(), *_head(), *both_sides(left)))
+
+
+def _torso() -> list[Part]:
+    bottom, top = 0.86, 1.465
+    outline = [  # height, half width, back, front
+        (0.86, 0.142, -0.095, 0.076), (0.90, 0.161, -0.108, 0.086), (0.96, 0.160, -0.105, 0.095),
+        (1.02, 0.151, -0.088, 0.101), (1.08, 0.139, -0.070, 0.100), (1.14, 0.138, -0.072, 0.100),
+        (1.22, 0.149, -0.090, 0.108), (1.29, 0.160, -0.108, 0.112), (1.36, 0.152, -0.118, 0.094),
+        (1.41, 0.122, -0.112, 0.066), (1.44, 0.090, -0.105, 0.043), (1.465, 0.062, -0.092, 0.028),
+    ]  # fmt: skip
+    rows = [((y - bottom) / (top - bottom), w, (f - b) / 2, 0, (f + b) / 2) for y, w, b, f in outline]
+    spine = "pelvis waist ribs chest"
+    return [
+        sweep(spine, (0, bottom, 0), (0, top, 0), rows, caps=(0.05, 0.02), blend=0.03, power=2.3),
+        sweep("neck", (0, 1.42, -0.042), (0, 1.60, -0.004), [(0, 0.060, 0.062), (0.5, 0.050, 0.054), (1, 0.051, 0.056)],
+              caps=(0.03, 0.03), blend=0.035),
+        ellipsoid(spine, (0, 1.16, 0.118), (0.005, 0.10, 0.010), blend=0.035, carve=True),
+        ellipsoid("waist", (0, 1.05, 0.108), (0.007, 0.009, 0.012), blend=0.012, carve=True),
+        sweep(spine, (0, 1.04, -0.086), (0, 1.37, -0.130), [(0, 0.008, 0.008), (1, 0.008, 0.008)], caps=(0.03, 0.03),
+              blend=0.045, carve=True),
+    ]  # fmt: skip
+
+
+def _head() -> list[Part]:
+    return [
+        ellipsoid("head", (0, 1.652, -0.012), (0.075, 0.097, 0.094), blend=0.03),
+        ellipsoid("head", (0, 1.688, 0.034), (0.057, 0.046, 0.052), blend=0.03),
+        sweep("head", (0, 1.675, 0.026), (0, 1.543, 0.044),
+              [(0, 0.064, 0.062), (0.45, 0.063, 0.058), (0.75, 0.055, 0.054, 0, 0.002), (1, 0.036, 0.040, 0, 0.008)],
+              caps=(0.03, 0.018), blend=0.025),
+        ellipsoid("head", (0, 1.545, 0.080), (0.021, 0.016, 0.015), blend=0.025),
+        ellipsoid("head", (0, 1.664, 0.079), (0.050, 0.010, 0.012), blend=0.02),
+        sweep("head", (0, 1.655, 0.088), (0, 1.610, 0.112), [(0, 0.009, 0.012), (0.6, 0.011, 0.013), (1, 0.013, 0.012)],
+              caps=(0.012, 0.010), blend=0.012),
+        ellipsoid("head", (0, 1.577, 0.092), (0.025, 0.011, 0.013), blend=0.014),
+        ellipsoid("head", (0, 1.577, 0.111), (0.024, 0.0022, 0.008), blend=0.008, carve=True),
+        ellipsoid("head", (0, 1.663, -0.030), (0.083, 0.094, 0.095), blend=0.006),
+    ]  # fmt: skip
+
+
+def _face_side() -> list[Part]:
+    return [
+        ellipsoid("head", (0.031, 1.643, 0.100), (0.018, 0.011, 0.016), blend=0.016, carve=True),
+        ellipsoid("head", (0.031, 1.642, 0.080), (0.013, 0.0115, 0.013), blend=0.004),
+        ellipsoid("head", (0.012, 1.609, 0.103), (0.008, 0.008, 0.010), blend=0.010),
+        ellipsoid("head", (0.048, 1.618, 0.068), (0.018, 0.020, 0.020), blend=0.03),
+        ellipsoid("head", (0.079, 1.632, -0.008), (0.009, 0.032, 0.019), blend=0.010, axis=(0.15, 1, -0.12), front=(0.4, 0, 1)),
+        ellipsoid("head", (0.090, 1.636, 0.000), (0.006, 0.018, 0.010), blend=0.006, axis=(0.15, 1, -0.12), carve=True),
     ]
-    rows = [((y - y0) / (y1 - y0), w, d, 0, z) for y, w, d, z in torso_rows]
-    middle: list[Part] = [
-        sweep("pelvis waist ribs chest", (0, y0, 0), (0, y1, 0), rows, (.05, .03)),
-        sweep("neck", (0, 1.42, -.03), (0, 1.58, -.008), [(0, .064, .064), (.5, .056, .058), (1, .056, .06)], (.03, .03), .05),
-        ellipsoid("head", (0, 1.655, -.012), (.077, .098, .095), .03),
-        ellipsoid("head", (0, 1.60, .03), (.056, .068, .062), .04),
-        ellipsoid("head", (0, 1.555, .068), (.024, .02, .02), .03),
-        ellipsoid("head", (0, 1.625, .095), (.013, .025, .018), .02),
+
+
+def _chest_side() -> list[Part]:
+    return [
+        sweep("chest", (0.030, 1.485, -0.050), SHOULDER + [-0.025, 0.010, -0.005], [(0, 0.026, 0.030), (1, 0.036, 0.036)],
+              caps=(0.02, 0.03), blend=0.04),
+        sweep("chest", (0.02, 1.432, 0.030), SHOULDER + [-0.01, 0.025, 0.018], [(0, 0.010, 0.010), (1, 0.010, 0.010)],
+              caps=(0.01, 0.01), blend=0.03),
+        ellipsoid("chest", (0.076, 1.312, 0.078), (0.075, 0.050, 0.029), blend=0.03, axis=(0.25, 1, -0.1)),
+        ellipsoid("chest", (0.115, 1.26, -0.045), (0.048, 0.11, 0.058), blend=0.05),
+        ellipsoid("chest", (0.085, 1.345, -0.098), (0.048, 0.062, 0.026), blend=0.035),
+        ellipsoid("pelvis", (0.074, 0.905, -0.072), (0.070, 0.076, 0.062), blend=0.035),
+    ]  # fmt: skip
+
+
+def _arm() -> list[Part]:
+    rows = [  # position, half thickness, half width to the front, shift to the palm side, shift to the front
+        (0.00, 0.050, 0.056, 0.000, 0.000), (0.14, 0.049, 0.054, -0.002, 0.001), (0.30, 0.043, 0.048, 0.002, 0.000),
+        (0.42, 0.040, 0.046, 0.002, -0.004), (0.53, 0.034, 0.040, 0.000, -0.008), (0.63, 0.039, 0.043, -0.002, -0.003),
+        (0.80, 0.031, 0.034, 0.000, 0.004), (0.94, 0.021, 0.028, 0.000, 0.010), (1.00, 0.020, 0.028, 0.000, 0.012),
+    ]  # fmt: skip
+    end = SHOULDER + 0.535 * ARM
+    return [
+        sweep("upper_arm.L forearm.L", SHOULDER, end, rows, caps=(0.045, 0.02), blend=0.035),
+        ellipsoid("upper_arm.L", SHOULDER + 0.05 * ARM - 0.012 * PALM, (0.042, 0.065, 0.050), blend=0.03, axis=ARM),
     ]
-    left: list[Part] = [
-        ellipsoid("chest", (.075, 1.32, .075), (.075, .055, .04), .05),
-        ellipsoid("pelvis", (.075, .92, -.075), (.07, .08, .06), .05),
-        sweep("clavicle.L", (.05, 1.40, -.02), SHOULDER, [(0, .06, .06), (.6, .06, .06), (1, .062, .06)], (.04, .04), .05),
-        ellipsoid("upper_arm.L", SHOULDER + .02 * D, (.06, .062, .06), .04),
-        sweep("upper_arm.L", SHOULDER, ELBOW, [(0, .05, .055), (.4, .046, .052, 0, .004), (.8, .04, .042), (1, .038, .04)], (.03, .03), .04),
-        sweep("forearm.L", ELBOW, WRIST, [(0, .038, .04), (.25, .043, .044), (.6, .034, .035), (.9, .025, .03), (1, .024, .03)], (.03, .02), .03),
-        sweep("hand.L", WRIST, WRIST + .09 * HAND, [(0, .022, .028), (.5, .018, .038), (1, .014, .042)], (.02, .012), .025),
-        *(
-            sweep("hand.L", WRIST + .085 * HAND + [0, 0, z], WRIST + .085 * HAND + [0, 0, z] + length * unit(HAND + [0, 0, fan]),
-                  [(0, .0095, .0095), (.7, .0085, .0085), (1, .0075, .0075)], (.008, .0075), .01)
-            for z, length, fan in ((.033, .065, .14), (.011, .075, .04), (-.012, .07, -.06), (-.033, .055, -.17))
-        ),
-        sweep("hand.L", WRIST + .02 * HAND + [0, 0, .02], WRIST + .075 * HAND + [0, 0, .075], [(0, .017, .017), (.6, .012, .012), (1, .009, .009)], (.015, .009), .02),
-        sweep("thigh.L", (.088, .90, 0), (.098, .49, .005), [(0, .085, .092), (.3, .084, .092, 0, .006), (.7, .066, .072, 0, .006), (1, .055, .06)], (.05, .04), .05),
-        sweep("shin.L", (.098, .49, .005), (.105, .085, -.03), [(0, .054, .058), (.25, .057, .06, 0, -.012), (.6, .043, .046, 0, -.008), (.9, .033, .036), (1, .033, .038)], (.04, .03), .03),
-        sweep("foot.L toes.L", (.103, .0, -.06), (.12, .0, .17), [(0, .032, .035, 0, .034), (.25, .034, .04, 0, .038), (.55, .038, .032, 0, .031), (.8, .045, .02, 0, .02), (1, .04, .015, 0, .015)], (.02, .02), .03, front=Y),
-        ellipsoid("head", (.078, 1.635, -.01), (.01, .028, .018), .012),
-        ellipsoid("head", (.032, 1.648, .094), (.018, .012, .014), .02, True),
+
+
+def _hand() -> list[Part]:
+    parts = [
+        sweep("hand.L", WRIST, WRIST + 0.088 * ARM,
+              [(0, 0.019, 0.026), (0.35, 0.018, 0.034), (0.8, 0.015, 0.041), (1, 0.012, 0.041)],
+              caps=(0.02, 0.010), blend=0.015, power=2.4),
+        sweep("hand.L", WRIST + 0.018 * ARM + 0.020 * Z + 0.006 * PALM, WRIST + 0.098 * ARM + 0.070 * Z + 0.012 * PALM,
+              [(0, 0.016, 0.016), (0.55, 0.0105, 0.0115), (1, 0.0085, 0.0095)], caps=(0.015, 0.009), blend=0.018),
+    ]  # fmt: skip
+    fingers = ((0.0325, 0.070, 0.13, 0.0088), (0.0110, 0.078, 0.03, 0.0090), (-0.0110, 0.072, -0.06, 0.0086), (-0.0315, 0.056, -0.16, 0.0076))
+    for across, length, fan, radius in fingers:
+        knuckle = WRIST + 0.082 * ARM + across * Z
+        tip = knuckle + (length + 0.008) * unit(ARM + fan * Z + 0.10 * PALM)
+        rows = [(0, radius, radius), (0.5, 0.95 * radius, 0.95 * radius, -0.002), (1, 0.8 * radius, 0.85 * radius)]
+        parts.append(sweep("hand.L", knuckle, tip, rows, caps=(0.008, 0.008), blend=0.008))
+    return parts
+
+
+def _leg() -> list[Part]:
+    rows = [  # height, half width, half depth, shift to the side, shift to the front
+        (0.86, 0.074, 0.088, -0.006, 0.000), (0.76, 0.077, 0.087, 0.000, 0.005), (0.64, 0.066, 0.076, 0.003, 0.008),
+        (0.54, 0.054, 0.061, 0.0, 0.004), (0.49, 0.051, 0.058, 0.0, 0.004), (0.44, 0.049, 0.056, 0.0, -0.003),
+        (0.36, 0.053, 0.060, 0.0, -0.013), (0.27, 0.044, 0.049, 0.0, -0.010), (0.18, 0.034, 0.037, 0.0, -0.006),
+        (0.10, 0.030, 0.037, 0.0, -0.002), (0.06, 0.030, 0.040, 0.0, 0.0),
+    ]  # fmt: skip
+    top, bottom = HIP + (ANKLE - HIP) * 0.055, ANKLE + (ANKLE - HIP) * 0.03
+    span = top[1] - bottom[1]
+    profile = [((top[1] - y) / span, w, d, side, z) for y, w, d, side, z in rows]
+    return [
+        sweep("thigh.L shin.L", top, bottom, profile, caps=(0.06, 0.02), blend=0.03),
+        ellipsoid("shin.L", KNEE + [0, 0.010, 0.047], (0.022, 0.028, 0.011), blend=0.02),
+        ellipsoid("shin.L", (0.100, 0.37, -0.055), (0.026, 0.075, 0.026), blend=0.03),
+        ellipsoid("shin.L", (0.138, 0.38, -0.052), (0.022, 0.065, 0.024), blend=0.03),
+        ellipsoid("thigh.L", (0.098, 0.585, 0.045), (0.026, 0.055, 0.026), blend=0.03),
+        ellipsoid("shin.L", ANKLE + [0.030, -0.002, 0.0], (0.010, 0.013, 0.013), blend=0.012),
+        ellipsoid("shin.L", ANKLE + [-0.030, 0.006, 0.004], (0.010, 0.013, 0.013), blend=0.012),
     ]
-    return Body((*middle, *left, *(mirrored(p) for p in left)))
 
 
-def _both(**angles: tuple[float, float, float]) -> dict[str, tuple[float, float, float]]:
-    return {f"{k}.{s}": v for k, v in angles.items() for s in "LR"}
+def _foot() -> list[Part]:
+    heel = ANKLE * [1, 0, 1] - 0.030 * TOE_OUT
+    rows = [  # position, half width, half height, shift to the side, height of the middle
+        (0.00, 0.029, 0.030, 0.0, 0.030), (0.22, 0.031, 0.036, 0.0, 0.036), (0.45, 0.034, 0.033, 0.0, 0.033),
+        (0.75, 0.043, 0.021, 0.0, 0.021), (1.00, 0.044, 0.013, 0.0, 0.013),
+    ]  # fmt: skip
+    parts = [sweep("foot.L", heel, heel + 0.185 * TOE_OUT, rows, caps=(0.026, 0.012), blend=0.02, front=Y, power=2.5)]
+    side = np.cross(Y, TOE_OUT)
+    toes = ((-0.030, 0.0140, 0.042), (-0.009, 0.0105, 0.036), (0.008, 0.0100, 0.030), (0.023, 0.0095, 0.023), (0.036, 0.0090, 0.014))
+    for across, radius, length in toes:
+        base = heel + 0.180 * TOE_OUT + across * side + radius * Y
+        rows = [(0, radius, radius), (1, 0.9 * radius, 0.85 * radius)]
+        parts.append(sweep("toes.L", base, base + length * TOE_OUT, rows, caps=(0.012, radius), blend=0.010, front=Y))
+    return parts
 
 
-POSES: dict[str, Pose] = {
-    "rest": {},
-    "tpose": _both(upper_arm=(0, 0, 48)),
-    "arms_up": _both(clavicle=(20, 0, 0), upper_arm=(0, 0, 108), forearm=(15, 0, 0)),
-    "walk": {
-        "upper_arm.L": (-25, 0, -36), "upper_arm.R": (25, 0, -36), "forearm.L": (15, 0, 0), "forearm.R": (30, 0, 0),
-        "thigh.L": (28, 0, 0), "shin.L": (12, 0, 0), "thigh.R": (-18, 0, 0), "shin.R": (25, 0, 0), "foot.R": (-10, 0, 0),
-    },
-    "sit": {**_both(upper_arm=(30, 0, -36), forearm=(40, 0, 0), thigh=(85, 0, 4), shin=(85, 0, 0))},
-    "bend": {**_both(upper_arm=(60, 0, -30)), "pelvis": (20, 0, 0), "waist": (18, 0, 0), "ribs": (18, 0, 0),
-             "chest": (14, 0, 0), "thigh.L": (20, 0, 0), "thigh.R": (20, 0, 0)},
-    "twist": {"waist": (0, 15, 0), "ribs": (0, 18, 0), "chest": (0, 18, 0), "neck": (0, 15, 0), "head": (0, 15, 0),
-              "upper_arm.R": (70, 0, -20), "forearm.R": (40, 0, 0)},
-    "lunge": {"thigh.L": (75, 0, 6), "shin.L": (80, 0, 0), "thigh.R": (-30, 0, 4), "shin.R": (35, 0, 0),
-              "foot.R": (10, 0, 0), "upper_arm.L": (10, 0, 30), "upper_arm.R": (95, 0, -20)},
-}
+def regions() -> dict[str, Region]:
+    """Regions whose proportions vary."""
+    middle = {
+        "torso": Region(None, HIP * [0, 1, 1], Y, ("pelvis", "waist", "ribs", "chest", "clavicle.L", "clavicle.R")),
+        "head": Region("torso", np.array([0, 1.45, -0.03]), Y, ("neck", "head")),
+    }
+    left = {
+        "arm.L": Region("torso", SHOULDER, ARM, ("upper_arm.L", "forearm.L")),
+        "hand.L": Region("arm.L", WRIST, ARM, ("hand.L",)),
+        "leg.L": Region("torso", HIP, ANKLE - HIP, ("thigh.L", "shin.L")),
+        "foot.L": Region("leg.L", ANKLE, TOE_OUT, ("foot.L", "toes.L")),
+    }
+    return middle | side_regions(left)
 
 
 def plan(seed: int = 0) -> BodyPlan:
-    hand, foot = WRIST + .1 * HAND, np.array([.115, .02, .1])
-    details = []
-    for side in (np.ones(3), FLIP):
-        details += [Detail(hand * side, .1, .0065), Detail(foot * side, .1, .012)]
-    details.append(Detail(np.array([0, 1.62, .05]), .09, .009))
-    return BodyPlan("human", skeleton(), surface(), tuple(details), .017, .005, POSES, True)
+    """Body plan of the symmetric human; seeds other than 0 vary its proportions."""
+    details = [Detail("head", np.array([0, 1.60, 0.08]), 0.055, 0.0062), Detail("head", np.array([0, 1.64, 0.0]), 0.09, 0.0105)]
+    for side, flip in (("L", np.ones(3)), ("R", FLIP)):
+        details.append(Detail(f"hand.{side}", (WRIST + 0.115 * ARM + 0.01 * Z) * flip, 0.075, 0.0062))
+        details.append(Detail(f"toes.{side}", (BALL + 0.045 * TOE_OUT) * flip, 0.04, 0.0085))
+    default = BodyPlan("human", skeleton(), surface(), tuple(details), EDGE, SPACING, POSES, True)
+    return proportioned(default, regions(), random_scales(regions(), seed))
+
+
+def asymmetric_plan(seed: int = 0) -> BodyPlan:
+    """Body plan of a human whose sides differ: one arm, one leg, a bun of hair and a pouch at the back."""
+    scales = random_scales(regions(), seed)
+    for name, (length, girth) in SIDES_DIFFER.items():
+        base = scales.get(name, (1.0, 1.0))
+        scales[name] = (base[0] * length, base[1] * girth)
+    default = plan()
+    extra = (
+        ellipsoid("head", (0.062, 1.725, -0.072), (0.040, 0.042, 0.040), blend=0.012),
+        ellipsoid("pelvis", (-0.085, 1.00, -0.115), (0.062, 0.058, 0.045), blend=0.010, power=2.8),
+    )
+    body = Body((*default.surface.parts, *extra))
+    changed = replace(default, name="human_asymmetric", surface=body, symmetric=False)
+    return proportioned(changed, regions(), scales)

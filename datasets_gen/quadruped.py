@@ -3,9 +3,11 @@
 import numpy as np
 
 from datasets_gen.bodies import BodyPlan, Detail
-from datasets_gen.human import FLIP, X, Y, Z, ball, ellipsoid, mirrored, sweep
-from datasets_gen.implicit import Body, Part, unit
-from datasets_gen.skeleton import Pose, Skeleton, bone
+from datasets_gen.implicit import Body, Part, ellipsoid, sweep, unit
+from datasets_gen.proportions import FLIP, both_sides
+from datasets_gen.skeleton import Pose, Skeleton, ball, hinge
+
+X, Y, Z = np.eye(3)
 
 S, E, C, F, T = (np.array(p) for p in ((.15, 1.28, .44), (.155, .99, .27), (.14, .57, .31), (.135, .20, .30), (.135, .03, .36)))
 H, K, G, B, P = (np.array(p) for p in ((.15, 1.30, -.48), (.175, .98, -.26), (.15, .62, -.60), (.145, .21, -.55), (.145, .03, -.49)))
@@ -26,39 +28,39 @@ def skeleton() -> Skeleton:
     ]
     left = [
         ball("shoulder.L", "chest", (.13, 1.45, .34), S, -X),
-        bone("upper_fore.L", "shoulder.L", S, E, -X),
-        bone("forearm.L", "upper_fore.L", E, C, -X),
-        bone("fore_cannon.L", "forearm.L", C, F, X),
-        bone("fore_hoof.L", "fore_cannon.L", F, T, X),
+        hinge("upper_fore.L", "shoulder.L", S, E, -X),
+        hinge("forearm.L", "upper_fore.L", E, C, -X),
+        hinge("fore_cannon.L", "forearm.L", C, F, X),
+        hinge("fore_hoof.L", "fore_cannon.L", F, T, X),
         ball("thigh.L", "hips", H, K, -X),
-        bone("gaskin.L", "thigh.L", K, G, X),
-        bone("hind_cannon.L", "gaskin.L", G, B, -X),
-        bone("hind_hoof.L", "hind_cannon.L", B, P, X),
+        hinge("gaskin.L", "thigh.L", K, G, X),
+        hinge("hind_cannon.L", "gaskin.L", G, B, -X),
+        hinge("hind_hoof.L", "hind_cannon.L", B, P, X),
     ]
     return Skeleton((*mid, *left, *(b.mirrored() for b in left)))
 
 
 def surface() -> Body:
     mid: list[Part] = [
-        sweep("hips loin chest", (0, 1.30, -.60), (0, 1.24, .48), [(0, .19, .21, 0, .0), (.2, .25, .26), (.45, .26, .26, 0, -.02), (.7, .25, .30, 0, -.03), (.9, .21, .28, 0, -.01), (1, .16, .22)], (.12, .12), .05, Y),
-        sweep("neck crest", (0, 1.34, .40), (0, 1.90, .93), [(0, .14, .25), (.3, .105, .19), (.7, .075, .13), (1, .065, .11)], (.08, .05), .12, Y),
-        sweep("head", (0, 1.93, .95), MUZZLE, [(0, .075, .10), (.3, .095, .125, 0, -.01), (.65, .062, .082), (.9, .055, .065), (1, .052, .06)], (.05, .045), .05, Y),
-        sweep("tail tail_end", DOCK, (0, .72, -.96), [(0, .045, .045), (.3, .05, .05), (.7, .07, .06), (1, .03, .03)], (.05, .06), .05, Z),
+        sweep("hips loin chest", (0, 1.30, -.60), (0, 1.24, .48), [(0, .19, .21, 0, .0), (.2, .25, .26), (.45, .26, .26, 0, -.02), (.7, .25, .30, 0, -.03), (.9, .21, .28, 0, -.01), (1, .16, .22)], caps=(.12, .12), blend=.05, front=Y),
+        sweep("neck crest", (0, 1.34, .40), (0, 1.90, .93), [(0, .14, .25), (.3, .105, .19), (.7, .075, .13), (1, .065, .11)], caps=(.08, .05), blend=.12, front=Y),
+        sweep("head", (0, 1.93, .95), MUZZLE, [(0, .075, .10), (.3, .095, .125, 0, -.01), (.65, .062, .082), (.9, .055, .065), (1, .052, .06)], caps=(.05, .045), blend=.05, front=Y),
+        sweep("tail tail_end", DOCK, (0, .72, -.96), [(0, .045, .045), (.3, .05, .05), (.7, .07, .06), (1, .03, .03)], caps=(.05, .06), blend=.05, front=Z),
     ]
     left: list[Part] = [
-        ellipsoid("shoulder.L chest", (.13, 1.30, .38), (.12, .24, .15), .08),
-        sweep("upper_fore.L", S, E, [(0, .09, .13), (1, .085, .11)], (.06, .05), .08),
-        sweep("forearm.L", E, C, [(0, .075, .10), (.4, .06, .075), (.85, .045, .05), (1, .05, .055)], (.05, .04), .05),
-        sweep("fore_cannon.L", C, F, [(0, .046, .05), (.3, .036, .042), (.8, .035, .042), (1, .042, .048)], (.03, .03), .03),
-        sweep("fore_hoof.L", F, T, [(0, .04, .045), (.5, .04, .045), (.8, .058, .065), (1, .064, .07)], (.03, .025), .02, Y),
-        ellipsoid("thigh.L", (.14, 1.18, -.43), (.13, .25, .22), .1),
-        sweep("thigh.L", H, K, [(0, .12, .18), (1, .10, .13)], (.06, .06), .08),
-        sweep("gaskin.L", K, G, [(0, .085, .12), (.4, .065, .085), (.85, .045, .055), (1, .05, .06)], (.05, .05), .06),
-        sweep("hind_cannon.L", G, B, [(0, .046, .058), (.3, .038, .046), (.8, .036, .043), (1, .043, .05)], (.03, .03), .03),
-        sweep("hind_hoof.L", B, P, [(0, .04, .045), (.5, .04, .045), (.8, .058, .065), (1, .064, .07)], (.03, .025), .02, Y),
-        sweep("head", (.05, 1.98, .93), (.075, 2.12, .93), [(0, .03, .025), (.4, .035, .022), (1, .01, .01)], (.02, .01), .02),
+        ellipsoid("shoulder.L chest", (.13, 1.30, .38), (.12, .24, .15), blend=.08),
+        sweep("upper_fore.L", S, E, [(0, .09, .13), (1, .085, .11)], caps=(.06, .05), blend=.08),
+        sweep("forearm.L", E, C, [(0, .075, .10), (.4, .06, .075), (.85, .045, .05), (1, .05, .055)], caps=(.05, .04), blend=.05),
+        sweep("fore_cannon.L", C, F, [(0, .046, .05), (.3, .036, .042), (.8, .035, .042), (1, .042, .048)], caps=(.03, .03), blend=.03),
+        sweep("fore_hoof.L", F, T, [(0, .04, .045), (.5, .04, .045), (.8, .058, .065), (1, .064, .07)], caps=(.03, .025), blend=.02, front=Y),
+        ellipsoid("thigh.L", (.14, 1.18, -.43), (.13, .25, .22), blend=.1),
+        sweep("thigh.L", H, K, [(0, .12, .18), (1, .10, .13)], caps=(.06, .06), blend=.08),
+        sweep("gaskin.L", K, G, [(0, .085, .12), (.4, .065, .085), (.85, .045, .055), (1, .05, .06)], caps=(.05, .05), blend=.06),
+        sweep("hind_cannon.L", G, B, [(0, .046, .058), (.3, .038, .046), (.8, .036, .043), (1, .043, .05)], caps=(.03, .03), blend=.03),
+        sweep("hind_hoof.L", B, P, [(0, .04, .045), (.5, .04, .045), (.8, .058, .065), (1, .064, .07)], caps=(.03, .025), blend=.02, front=Y),
+        sweep("head", (.05, 1.98, .93), (.075, 2.12, .93), [(0, .03, .025), (.4, .035, .022), (1, .01, .01)], caps=(.02, .01), blend=.02),
     ]
-    return Body((*mid, *left, *(mirrored(p) for p in left)))
+    return Body((*mid, *both_sides(left)))
 
 
 POSES: dict[str, Pose] = {
@@ -80,8 +82,8 @@ POSES: dict[str, Pose] = {
 
 
 def plan(seed: int = 0) -> BodyPlan:
-    details = [Detail(np.array([0, 1.75, 1.15]), .28, .014)]
-    for side in (np.ones(3), FLIP):
-        for p in (C, F, T, G, B, P):
-            details.append(Detail(p * side, .15, .014))
-    return BodyPlan("quadruped", skeleton(), surface(), tuple(details), .028, .010, POSES, True)
+    details = [Detail("head", np.array([0, 1.75, 1.15]), .28, .014)]
+    for side, flip in (("L", np.ones(3)), ("R", FLIP)):
+        for bone, p in (("fore_cannon", C), ("fore_cannon", F), ("fore_hoof", T), ("hind_cannon", G), ("hind_cannon", B), ("hind_hoof", P)):
+            details.append(Detail(f"{bone}.{side}", p * flip, .15, .014))
+    return BodyPlan("quadruped", skeleton(), surface(), tuple(details), .025, .010, POSES, True)

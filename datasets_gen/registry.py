@@ -20,6 +20,7 @@ _log = logging.getLogger(__name__)
 
 BUILT_IN: dict[str, Callable[[int], BodyPlan]] = {
     "human": human.plan,
+    "human_asymmetric": human.asymmetric_plan,
     "quadruped": quadruped.plan,
 }
 

@@ -14,6 +14,11 @@ Angles = tuple[float, float, float]
 Pose = Mapping[str, Angles]
 
 
+def other_side(name: str) -> str:
+    """Name of the right counterpart of a left bone or region; names without a side are unchanged."""
+    return name[:-2] + ".R" if name.endswith(".L") else name
+
+
 @dataclass(frozen=True)
 class Bone:
     """A rigid segment that turns about its head.
@@ -38,20 +43,24 @@ class Bone:
 
     def mirrored(self) -> "Bone":
         """The bone of the other side."""
-
-        def swap(name: str | None) -> str | None:
-            return name[:-2] + ".R" if name and name.endswith(".L") else name
-
         flip, axial = np.array([-1.0, 1, 1]), np.array([1.0, -1, -1])
-        return Bone(swap(self.name) or "", swap(self.parent), self.head * flip, self.tail * flip, self.axes * axial)
+        parent = other_side(self.parent) if self.parent else None
+        return Bone(other_side(self.name), parent, self.head * flip, self.tail * flip, self.axes * axial)
 
 
-def bone(name: str, parent: str | None, head: ArrayLike, tail: ArrayLike, hinge: ArrayLike) -> Bone:
-    """A bone whose positive flexion turns about `hinge`, made orthogonal to the bone."""
+def hinge(name: str, parent: str | None, head: ArrayLike, tail: ArrayLike, axis: ArrayLike) -> Bone:
+    """A bone whose positive flexion turns about `axis`, made orthogonal to the bone."""
     start, end = np.asarray(head, dtype=np.float64), np.asarray(tail, dtype=np.float64)
-    along, axis = unit(end - start), np.asarray(hinge, dtype=np.float64)
-    axis = unit(axis - (axis @ along) * along)
-    return Bone(name, parent, start, end, np.stack([axis, along, np.cross(axis, along)]))
+    along, turn = unit(end - start), np.asarray(axis, dtype=np.float64)
+    turn = unit(turn - (turn @ along) * along)
+    return Bone(name, parent, start, end, np.stack([turn, along, np.cross(turn, along)]))
+
+
+def ball(name: str, parent: str | None, head: ArrayLike, tail: ArrayLike, flexion: ArrayLike) -> Bone:
+    """A bone in a ball joint: flexion about a given axis, swing (abduction) about z, twist about itself."""
+    start, end = np.asarray(head, dtype=np.float64), np.asarray(tail, dtype=np.float64)
+    axes = np.stack([unit(flexion), unit(end - start), np.array([0.0, 0.0, 1.0])])
+    return Bone(name, parent, start, end, axes)
 
 
 @dataclass(frozen=True)

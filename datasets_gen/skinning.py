@@ -26,8 +26,7 @@ Ints = NDArray[np.int64]
 
 def bone_of(points: Array, body: Body, skeleton: Skeleton) -> Ints:
     """The bone that carries each point (n, 3): the nearest of those of the part that it lies on."""
-    distance = np.stack([np.abs(part.distance(points)) for part in body.parts])
-    part_of = distance.argmin(axis=0)
+    part_of = np.abs(body.distances(points)).argmin(axis=0)
     owner = np.empty(len(points), dtype=np.int64)
     for index, part in enumerate(body.parts):
         mine = part_of == index
