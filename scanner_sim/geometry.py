@@ -104,3 +104,19 @@ def barycentrics_on(
     sums = weights.sum(axis=1, keepdims=True)
     weights = np.where(sums > 0, weights / np.where(sums > 0, sums, 1), 1 / 3)
     return weights, np.einsum("nc,ncd->nd", weights, corners)
+
+
+def winding_number(corners: NDArray[np.float64], place: NDArray[np.float64]) -> float:
+    """How often a mesh winds about a place: 1 inside a closed mesh, 0 outside [van Oosterom & Strackee 1983].
+
+    Parameters
+    ----------
+    corners : (f, 3, 3)
+        Triangles.
+    place : (3,)
+    """
+    a, b, c = (corners[:, k] - place for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    volume = np.einsum("fd,fd->f", a, np.cross(b, c))
+    ab, bc, ca = (np.einsum("fd,fd->f", u, v) for u, v in ((a, b), (b, c), (c, a)))
+    return float(np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb).sum() / (2 * np.pi))

@@ -128,7 +128,7 @@ def _refine(
         p, m, s = peak + step[0], position + step[1], width + step[2]
         trial = _squares(row, p, m, s) if p > 0 and s > 0 else np.inf
         if trial <= cost:
-            small = abs(step[1]) < 1e-9 * width and abs(step[0]) < 1e-9 * peak
+            small = abs(step[1]) < 1e-5 * width and abs(step[0]) < 1e-5 * peak
             peak, position, width = p, m, s
             cost = trial
             damping *= 0.1

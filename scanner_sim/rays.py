@@ -1,15 +1,17 @@
 """What one view of the scanner sees: exact hits and the light they return."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.shape import Shape
 from scanner_sim import materials, variant
+from scanner_sim.camera import camera_rays, visible_window
 from scanner_sim.config import ScannerConfig
 from scanner_sim.geometry import Frame, barycentrics_on
-from scanner_sim.scenes import Renderer, Wavefront, Window
+from scanner_sim.scenes import Renderer, Wavefront, build_mesh
 
 
 @dataclass(frozen=True)
@@ -45,18 +47,38 @@ class Tracer:
     config
     name
         Mitsuba variant; the fastest sound one if not given.
+    attributes
+        Values per vertex or face that the material uses.
+
+    Raises
+    ------
+    InputError
+        If the material or an attribute cannot be used.
     """
 
-    def __init__(self, shape: Shape, config: ScannerConfig, name: str | None = None) -> None:
+    def __init__(
+        self,
+        shape: Shape,
+        config: ScannerConfig,
+        name: str | None = None,
+        attributes: materials.Attributes | None = None,
+    ) -> None:
         self.shape = shape
         self.config = config
         self.variant = variant.choose() if name is None else name
         self.frame = Frame.of(shape, config.object_size)
         self.vertices = self.frame.to_rig(shape.vertices)
+        self.attributes = attributes or {}
+        materials.check_attributes(shape, self.attributes)
         kind = Renderer if self.variant == variant.SCALAR else Wavefront
         with variant.active(self.variant) as mi:
-            surface = materials.bsdf(mi, config)
-            self._scenes: Renderer | Wavefront = kind(mi, shape, self.vertices, config, surface)
+            glowing = build_mesh(mi, shape, self.vertices, "flat", None) if kind is Renderer else None
+            self._scenes: Renderer | Wavefront = kind(mi, config, self.mesh(mi), glowing)
+
+    def mesh(self, mi: Any) -> Any:
+        """A new Mitsuba mesh of the shape in the rig, with its material."""
+        surface = materials.bsdf(mi, self.config)
+        return build_mesh(mi, self.shape, self.vertices, self.config.shading, surface, self.attributes)
 
     def view(self, pose: NDArray[np.float64]) -> Hits:
         """Trace the camera and shadow rays of one view.
@@ -77,27 +99,6 @@ class Tracer:
         barycentrics, points = barycentrics_on(corners, camera_rays(seen.pixels, self.config))
         squared = ((points - [baseline, 0, 0]) ** 2).sum(axis=1) if seen.falls_off else 1.0
         return Hits(seen.pixels, seen.face_ids, barycentrics, points, seen.light * squared)
-
-
-def camera_rays(pixels: NDArray[np.integer], config: ScannerConfig) -> NDArray[np.float64]:
-    """Directions through pixel centres in camera coordinates, with depth 1, (n, 3)."""
-    width, height = config.resolution
-    x = (pixels[:, 0] + 0.5 - width / 2) / config.focal
-    y = (pixels[:, 1] + 0.5 - height / 2) / config.focal
-    return np.stack([x, y, np.ones(len(pixels))], axis=1)
-
-
-def visible_window(vertices: NDArray[np.float64], config: ScannerConfig) -> Window | None:
-    """Part of the image that can show the object: first column and row, columns and rows."""
-    size = np.array(config.resolution)
-    if (vertices[:, 2] <= 1e-6).any():
-        return 0, 0, int(size[0]), int(size[1])
-    image = vertices[:, :2] / vertices[:, 2:] * config.focal + size / 2
-    low = np.clip(np.floor(image.min(axis=0)).astype(int) - 1, 0, size)
-    high = np.clip(np.ceil(image.max(axis=0)).astype(int) + 1, 0, size)
-    if (high <= low).any():
-        return None
-    return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
 
 
 def _no_hits() -> Hits:

@@ -1,31 +1,43 @@
 """One scan: views, stripes, peaks, triangulation."""
 
-from dataclasses import dataclass
+import logging
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.checks import edge_face_counts, signed_volume
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
-from scanner_sim import peak, stripe, viewpoints
+from scanner_sim import bruteforce, normals, registration, viewpoints
 from scanner_sim.config import ScannerConfig
-from scanner_sim.geometry import shading_normals
-from scanner_sim.rays import Hits, Tracer, camera_rays
+from scanner_sim.geometry import shading_normals, winding_number
+from scanner_sim.materials import Attributes
+from scanner_sim.measure import Measured, Verdict, measure
+from scanner_sim.rays import Hits, Tracer
 from scanner_sim.scan import Scan
 
+_log = logging.getLogger(__name__)
 
-def scan(shape: Shape, config: ScannerConfig | None = None, seed: int = 0) -> Scan:
+
+def scan(
+    shape: Shape, config: ScannerConfig | None = None, seed: int = 0, attributes: Attributes | None = None
+) -> Scan:
     """Scan a shape with the laser-triangulation scanner of [BLN*11].
 
     Parameters
     ----------
     shape
-        Closed mesh, any units: the rig is scaled to it.
+        Triangle mesh in any units: the rig is scaled to it. A closed mesh whose faces look inward is
+        scanned as if they looked outward.
     config
         The rig; ``ScannerConfig()`` if not given. To sweep thresholds, scan once at a low
         `peak_threshold` and use `Scan.accept`.
     seed
-        Of the noise. Same shape, config and seed: same scan, whatever the number of threads.
+        Of all noise. Same shape, config and seed: same scan, whatever the number of threads.
+    attributes
+        Values per vertex (``vertex_...``) or face (``face_...``) that the material uses.
 
     Returns
     -------
@@ -35,124 +47,196 @@ def scan(shape: Shape, config: ScannerConfig | None = None, seed: int = 0) -> Sc
     Raises
     ------
     InputError
-        If the shape has no extent or not a single point was acquired.
+        If the shape has no extent, a view sees nothing, or not a single point was acquired.
     """
     config = ScannerConfig() if config is None else config
-    _check(shape)
-    tracer = Tracer(shape, config)
-    toward = viewpoints.directions(config.views, config.up)
-    poses = viewpoints.poses(toward, config.min_range + tracer.frame.diagonal / 2, config.up)
-    rng = np.random.default_rng
-    views = [
-        _measure(tracer.view(pose), pose, config, rng([seed, number])) for number, pose in enumerate(poses)
-    ]
-    if not any(len(view.points) for view in views):
-        raise InputError(
-            f"no point of {shape.name!r} was acquired from {len(views)} views at peak threshold "
-            f"{config.peak_threshold}; lower it, add views or check the mesh's orientation"
-        )
-    return _assemble(shape, config, seed, tracer, poses, views)
+    outward = facing_outward(shape)
+    rig = Rig(outward, config, attributes)
+    views = [rig.view(number, seed) for number in range(len(rig.poses))]
+    found = _assemble(rig, seed, views)
+    if outward is not shape:
+        found = replace(found, barycentrics=np.ascontiguousarray(found.barycentrics[:, [0, 2, 1]]))
+    return replace(found, shape_name=shape.name)
 
 
-@dataclass(frozen=True)
-class _View:
-    """What one view acquired, in rig coordinates; arrays over its n points."""
-
-    hits: Hits
-    points: NDArray[np.float64]
-    peak: NDArray[np.float64]
-    width: NDArray[np.float64]
-    angle: NDArray[np.float64]
-
-
-def _measure(hits: Hits, pose: NDArray[np.float64], config: ScannerConfig, rng: np.random.Generator) -> _View:
-    """Fit the peak of every lit pixel of a view and triangulate the accepted ones."""
-    lit = np.flatnonzero(hits.radiance > 0)
-    where = stripe.sheet(hits.points[lit], config.baseline)
-    seen = stripe.samples(where, hits.radiance[lit], config, rng)
-    peaks = peak.fit(seen.values, config.fit)
-    angle = config.sweep[0] + (seen.first + peaks.position + 0.5) * config.step
-    width = peaks.width * config.step
-    cast = np.tan(config.wedge / 2) / 2 / where.ratio  # s of the profile that was cast
-    kept = (
-        (peaks.peak >= config.peak_threshold)
-        & (peaks.residual <= config.residual_threshold)
-        & (width <= config.std_threshold * cast)
-        & (hits.points[lit, 2] >= config.min_range - 1e-6)
-        & (hits.points[lit, 2] <= config.max_range + 1e-6)
-    )
-    index = lit[kept]
-    chosen = Hits(
-        hits.pixels[index],
-        hits.face_ids[index],
-        hits.barycentrics[index],
-        hits.points[index],
-        hits.radiance[index],
-    )
-    found = triangulate(camera_rays(chosen.pixels, config), angle[kept], config.baseline)
-    return _View(chosen, found @ pose[:3, :3].T + pose[:3, 3], peaks.peak[kept], width[kept], angle[kept])
-
-
-def triangulate(
-    rays: NDArray[np.float64], angle: NDArray[np.float64], baseline: float
-) -> NDArray[np.float64]:
-    """Meet camera rays with laser planes.
+class Rig:
+    """Camera, laser and one shape, ready to look from every viewpoint.
 
     Parameters
     ----------
-    rays : (n, 3)
-        Directions from the camera with depth 1.
-    angle : (n,)
-        Sheet angles, radians: 0 along the viewing direction, positive to the right.
-    baseline
-        Of the laser along camera x.
+    shape
+        With faces that look outward.
+    config
+    attributes
+        For the material.
 
-    Returns
-    -------
-    (n, 3) float64
-        Points in camera coordinates.
+    Attributes
+    ----------
+    poses : (V, 4, 4) float64
+        Camera-to-rig matrices, mm.
+    focus : float
+        Distance of the laser from the object's centre, mm.
     """
-    slope = np.tan(angle)  # the plane x = baseline + slope z
-    return rays * (baseline / (rays[:, 0] - slope))[:, None]
+
+    def __init__(self, shape: Shape, config: ScannerConfig, attributes: Attributes | None = None) -> None:
+        _check(shape)
+        self.shape = shape
+        self.config = config
+        self.tracer = Tracer(shape, config, attributes=attributes)
+        half = self.tracer.frame.diagonal / 2
+        distance = config.min_range + half if config.distance is None else config.distance
+        self.poses = viewpoints.poses(viewpoints.directions(config.views, config.up), distance, config.up)
+        self.focus = float(np.hypot(distance, config.baseline))
+        if distance < half:
+            self._check_outside()
+
+    def _check_outside(self) -> None:
+        """Raise InputError if a camera or laser stands inside the object."""
+        for number, pose in enumerate(self.poses):
+            laser = pose[:3, 3] + self.config.baseline * pose[:3, 0]
+            for name, place in (("camera", pose[:3, 3]), ("laser", laser)):
+                if winding_number(self.tracer.vertices[self.shape.faces], place) > 0.5:
+                    raise InputError(
+                        f"the {name} of view {number} stands inside {self.shape.name!r}; raise distance, now "
+                        f"{self.config.distance} mm (the object's largest side: {self.config.object_size} mm)"
+                    )
+
+    def view(self, number: int, seed: int) -> tuple[Hits, Measured]:
+        """Look from one viewpoint.
+
+        Raises
+        ------
+        InputError
+            If no camera ray of the view hits the object.
+        """
+        hits = self.tracer.view(self.poses[number])
+        if len(hits.face_ids) == 0:
+            toward = np.round(self.poses[number][:3, 2], 3).tolist()
+            raise InputError(
+                f"view {number} (looking along {toward}) sees nothing of {self.shape.name!r}; "
+                "leave it out of views or close the mesh"
+            )
+        rng = np.random.default_rng([seed, number])
+        if self.config.bounces > 1:
+            rendered = bruteforce.sweep(self.tracer, self.poses[number], hits, seed=seed)
+            return hits, measure(hits, self.config, self.focus, rng, rendered)
+        return hits, measure(hits, self.config, self.focus, rng)
 
 
-def _assemble(
-    shape: Shape,
-    config: ScannerConfig,
-    seed: int,
-    tracer: Tracer,
-    poses: NDArray[np.float64],
-    views: list[_View],
-) -> Scan:
-    """Join the views in the mesh's frame and units."""
-    face_ids = np.concatenate([v.hits.face_ids for v in views])
-    barycentrics = np.concatenate([v.hits.barycentrics for v in views])
-    placed = poses.copy()
-    placed[:, :3, 3] = tracer.frame.to_mesh(poses[:, :3, 3])
-    return Scan(
-        points=tracer.frame.to_mesh(np.concatenate([v.points for v in views])),
+def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:
+    """Join the accepted points of all views in the mesh's frame and units."""
+    shape, config, frame = rig.shape, rig.config, rig.tracer.frame
+    kept = [measured.verdict == Verdict.ACCEPTED for _, measured in views]
+    counts = [int(mask.sum()) for mask in kept]
+    _report(shape, config, views, counts)
+    hit = [measured.index[mask] for (_, measured), mask in zip(views, kept, strict=True)]
+    placed = [
+        measured.points[mask] @ pose[:3, :3].T + pose[:3, 3]
+        for (_, measured), mask, pose in zip(views, kept, rig.poses, strict=True)
+    ]
+    poses = rig.poses.copy()
+    poses[:, :3, 3] = frame.to_mesh(poses[:, :3, 3])
+    face_ids = np.concatenate([h.face_ids[i] for (h, _), i in zip(views, hit, strict=True)])
+    barycentrics = np.concatenate([h.barycentrics[i] for (h, _), i in zip(views, hit, strict=True)])
+    view_ids = np.repeat(np.arange(len(views), dtype=np.int32), counts)
+    points = frame.to_mesh(np.concatenate(placed))
+    if config.registration_error > 0:
+        points = registration.disturb(points, view_ids, config.registration_error, seed)
+    if config.realign:
+        points = registration.realign(points, view_ids, seed)
+    found = Scan(
+        points=points,
         normals=shading_normals(shape, face_ids, barycentrics, config.shading),
         face_ids=face_ids,
         barycentrics=barycentrics,
         true_points=shape.at(face_ids, barycentrics),
-        intensity=np.concatenate([v.peak for v in views]),
-        view_ids=np.repeat(np.arange(len(views), dtype=np.int32), [len(v.points) for v in views]),
-        pixels=np.concatenate([v.hits.pixels for v in views]),
-        width=np.concatenate([v.width for v in views]),
-        angle=np.concatenate([v.angle for v in views]),
-        poses=placed,
-        scale=tracer.frame.scale,
+        intensity=np.concatenate([m.peak[mask] for (_, m), mask in zip(views, kept, strict=True)]),
+        view_ids=view_ids,
+        pixels=np.concatenate([h.pixels[i] for (h, _), i in zip(views, hit, strict=True)]),
+        width=np.concatenate([m.width[mask] for (_, m), mask in zip(views, kept, strict=True)]),
+        angle=np.concatenate([m.angle[mask] for (_, m), mask in zip(views, kept, strict=True)]),
+        poses=poses,
+        scale=frame.scale,
         shape_name=shape.name,
         config=config,
         seed=seed,
     )
+    if config.normals == "true":
+        return found
+    return replace(found, normals=estimated_normals(found, config.normals, config.neighbours))
+
+
+def estimated_normals(scan: Scan, kind: str = "pca", neighbours: int = 12) -> NDArray[np.float64]:
+    """Normals from the points of a scan, such as one thresholded or thinned out.
+
+    Parameters
+    ----------
+    scan
+    kind
+        ``"pca"``: the scanner knows the side; ``"mst"``: signs by a spanning tree, as without a scanner.
+    neighbours
+        Of each point.
+
+    Returns
+    -------
+    (n, 3) float64
+        Unit.
+    """
+    found = normals.pca(scan.points, neighbours)
+    if kind == "mst":
+        return normals.spanning_tree(scan.points, found, neighbours)
+    if kind != "pca":
+        raise InputError(f"normals can be estimated by 'pca' or 'mst', not {kind!r}")
+    if (scan.view_ids < 0).any():
+        raise InputError("this scan knows no viewpoints; estimate its normals with kind='mst'")
+    return normals.toward(found, scan.points, scan.poses[scan.view_ids, :3, 3])
+
+
+def _report(
+    shape: Shape, config: ScannerConfig, views: list[tuple[Hits, Measured]], counts: list[int]
+) -> None:
+    """Raise InputError if nothing was acquired, and log views that acquired nothing."""
+    empty = [number for number, count in enumerate(counts) if count == 0]
+    if empty and len(empty) < len(counts):
+        _log.warning("%s: %d of %d views acquired no point: %s", shape.name, len(empty), len(counts), empty)
+    if sum(counts):
+        return
+    depths = np.concatenate([hits.points[:, 2] for hits, _ in views])
+    if depths.min() > config.max_range or depths.max() < config.min_range:
+        raise InputError(
+            f"{shape.name!r} lies at depths of {depths.min():.4g}..{depths.max():.4g} mm, outside the swept "
+            f"{config.min_range:.4g}..{config.max_range:.4g} mm; change distance, min_range or max_range"
+        )
+    raise InputError(
+        f"no point of {shape.name!r} was acquired from {len(views)} views at peak threshold "
+        f"{config.peak_threshold}; lower it, add views or raise exposure or gain"
+    )
+
+
+def facing_outward(shape: Shape) -> Shape:
+    """The shape itself, or with reversed faces where a closed mesh looks inward; says so in the log."""
+    if len(shape.faces) == 0 or not signed_volume(shape.vertices, shape.faces) < 0:
+        return shape
+    if not (edge_face_counts(shape.faces) == 2).all():
+        return shape
+    _log.warning("%s: the faces look inward; scanned with outward normals", shape.name)
+    return replace(shape, faces=np.ascontiguousarray(shape.faces[:, [0, 2, 1]]))
 
 
 def _check(shape: Shape) -> None:
-    """Raise InputError for shapes that cannot be traced."""
+    """Raise InputError for shapes that cannot be traced; warn once of strange units."""
     if len(shape.faces) == 0 or len(shape.vertices) == 0:
         raise InputError(f"shape {shape.name!r} has no faces; scan a triangle mesh")
     if not np.isfinite(shape.vertices).all():
         raise InputError(f"shape {shape.name!r} has vertices that are not finite; repair the mesh")
-    if np.ptp(shape.vertices, axis=0).max() <= 0 or shape.area <= 0:
+    side = float(np.ptp(shape.vertices, axis=0).max())
+    if side <= 0 or shape.area <= 0:
         raise InputError(f"shape {shape.name!r} has no extent; scan a mesh with a surface")
+    if not 1e-3 <= side <= 1e5:
+        _warn_of_units(shape.subject, side, shape.units)
+
+
+@cache
+def _warn_of_units(subject: str, side: float, units: str) -> None:
+    """Once per subject and size."""
+    _log.warning("%s measures %.3g %s; the rig is scaled to it", subject, side, units)

@@ -1,11 +1,15 @@
-"""Radiometry of the moving laser sheet: what each pixel sees of each stripe."""
+"""Radiometry of the moving laser sheet: how much of each stripe falls on each surface point."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scanner_sim.config import ScannerConfig
+
+BEAM_CUT = 2.15
+"""Gaussian beams are cut at this many 1/e^2 radii, where they carry 1e-4 of their peak."""
 
 
 @dataclass(frozen=True)
@@ -16,25 +20,30 @@ class Sheet:
     ----------
     angle : (n,) float64
         phi: sheet angle that meets the point, radians.
-    ratio : (n,) float64
-        rho / r: distance from the laser's axis over distance from the laser; 1 on the rig's plane.
+    axis : (n,) float64
+        rho: distance from the axis about which the sheet turns, mm.
+    distance : (n,) float64
+        r: distance from the laser, mm.
     """
 
     angle: NDArray[np.float64]
-    ratio: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    distance: NDArray[np.float64]
 
 
 def sheet(points: NDArray[np.float64], baseline: float) -> Sheet:
-    """Laser coordinates of points in camera coordinates, (n, 3) mm."""
+    """Laser coordinates of points (n, 3) in camera coordinates, mm."""
     x, y, z = points[:, 0] - baseline, points[:, 1], points[:, 2]
     axis = np.hypot(x, z)
-    return Sheet(np.arctan2(x, z), axis / np.hypot(axis, y))
+    return Sheet(np.arctan2(x, z), axis, np.hypot(axis, y))
 
 
-def profile(offset: NDArray[np.float64], ratio: NDArray[np.float64], wedge: float) -> NDArray[np.float64]:
-    r"""Relative radiance of a stripe, the equation of [BLN*11] in our words.
+def wedge(
+    offset: NDArray[np.float64], ratio: NDArray[np.float64] | float, angle: float
+) -> NDArray[np.float64]:
+    r"""Relative radiance of the reference's stripe.
 
-    ``L = exp(-2 (rho sin(theta - phi))^2 / (r tan(F/2) / sqrt 2)^2)`` within the wedge, 0 outside.
+    ``L = exp(-2 (rho sin(theta - phi))^2 / (r tan(F/2) / sqrt 2)^2)`` within the wedge, 0 outside [BLN*11].
 
     Parameters
     ----------
@@ -42,66 +51,123 @@ def profile(offset: NDArray[np.float64], ratio: NDArray[np.float64], wedge: floa
         theta - phi, radians.
     ratio
         rho / r, broadcast against `offset`.
-    wedge
+    angle
         Full angle F, radians.
     """
-    inside = np.abs(offset) <= wedge / 2
-    return np.where(inside, np.exp(-4 * (ratio * np.sin(offset) / np.tan(wedge / 2)) ** 2), 0.0)
+    inside = np.abs(offset) <= angle / 2
+    return np.where(inside, np.exp(-4 * (ratio * np.sin(offset) / math.tan(angle / 2)) ** 2), 0.0)
+
+
+def gaussian(
+    offset: NDArray[np.float64],
+    axis: NDArray[np.float64] | float,
+    radius: NDArray[np.float64] | float,
+    waist: float,
+) -> NDArray[np.float64]:
+    r"""Relative radiance of a Gaussian beam: ``(w0 / w) exp(-2 (rho sin(theta - phi))^2 / w^2)``.
+
+    Parameters
+    ----------
+    offset
+        theta - phi, radians.
+    axis, radius
+        rho and the beam's 1/e^2 radius w there (`beam_radius`), mm; broadcast against `offset`.
+    waist
+        w0, mm.
+    """
+    across = axis * np.sin(offset) / radius
+    return np.where(np.abs(across) <= BEAM_CUT, waist / radius * np.exp(-2 * across**2), 0.0)
+
+
+def beam_radius(distance: NDArray[np.float64], focus: float, config: ScannerConfig) -> NDArray[np.float64]:
+    """1/e^2 radius w of the beam: ``w0 sqrt(1 + ((r - focus) / z_R)^2)``, ``z_R = pi w0^2 / lambda``."""
+    rayleigh = math.pi * config.beam_waist**2 / (config.wavelength * 1e-6)
+    return config.beam_waist * np.hypot(1, (distance - focus) / rayleigh)
+
+
+def light(
+    offset: NDArray[np.float64], where: Sheet, config: ScannerConfig, focus: float
+) -> NDArray[np.float64]:
+    """Relative radiance of stripes at points, without falloff.
+
+    Parameters
+    ----------
+    offset : (n, w)
+        theta - phi, radians.
+    where
+        n points.
+    config
+    focus
+        Distance of the laser from the object's centre, mm.
+    """
+    if config.beam == "wedge":
+        return wedge(offset, (where.axis / where.distance)[:, None], config.wedge)
+    radius = beam_radius(where.distance, focus, config)
+    return gaussian(offset, where.axis[:, None], radius[:, None], config.beam_waist)
+
+
+def half_angle(where: Sheet, config: ScannerConfig, focus: float) -> NDArray[np.float64]:
+    """Largest theta - phi that lights each point, radians, (n,)."""
+    if config.beam == "wedge":
+        return np.full(len(where.angle), config.wedge / 2)
+    return np.arcsin(np.minimum(BEAM_CUT * beam_radius(where.distance, focus, config) / where.axis, 1))
+
+
+def cast_width(where: Sheet, config: ScannerConfig, focus: float) -> NDArray[np.float64]:
+    """Width s of the peak ``exp(-(theta - phi)^2 / s^2)`` that the sheet casts, radians, (n,)."""
+    if config.beam == "wedge":
+        return math.tan(config.wedge / 2) / 2 * where.distance / where.axis
+    return beam_radius(where.distance, focus, config) / (math.sqrt(2) * where.axis)
+
+
+def falloff(where: Sheet, config: ScannerConfig, focus: float) -> NDArray[np.float64]:
+    """Irradiance relative to that at the object's centre, (n,)."""
+    if config.falloff == "none":
+        return np.ones(len(where.distance))
+    return (focus / where.distance) ** 2
 
 
 @dataclass(frozen=True)
-class Samples:
-    """Intensities of each pixel over the stripes that may light it.
+class Swept:
+    """Stripes that may light each point.
 
     Attributes
     ----------
     first : (n,) int64
         Number of the first stripe of the row.
     values : (n, w) float64
-        Camera intensity per stripe; 0 where the stripe does not light the pixel.
+        Per stripe; 0 where it does not light the point.
     """
 
     first: NDArray[np.int64]
     values: NDArray[np.float64]
 
 
-def samples(
-    where: Sheet, amplitude: NDArray[np.float64], config: ScannerConfig, rng: np.random.Generator
-) -> Samples:
-    """Camera intensities ``quantise(L * amplitude - noise)`` of every stripe near each point.
+def sweep(where: Sheet, config: ScannerConfig, focus: float, margin: float = 0.0) -> Swept:
+    """Relative radiance of every stripe near each point.
 
     Parameters
     ----------
     where
-        The points, n of them.
-    amplitude : (n,)
-        Reflected share: cosine times albedo; 0 in shadow.
+        n points.
     config
-    rng
-        Source of the noise.
+    focus
+        Distance of the laser from the object's centre, mm.
+    margin
+        Angle by which the row of stripes is longer at both ends, radians.
     """
-    span = int(np.ceil(config.wedge / config.step)) + 1
+    half = half_angle(where, config, focus) + margin
     start, _ = config.sweep
-    first = np.ceil((where.angle - config.wedge / 2 - start) / config.step - 0.5).astype(np.int64)
+    first = np.ceil((where.angle - half - start) / config.step - 0.5).astype(np.int64)
+    span = int(np.ceil(2 * half.max(initial=0) / config.step)) + 1
+    offset, inside = offsets(first, span, where.angle, config)
+    return Swept(first, np.where(inside, light(offset, where, config, focus), 0.0))
+
+
+def offsets(
+    first: NDArray[np.int64], span: int, angle: NDArray[np.float64], config: ScannerConfig
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Angles theta - phi of a row of stripes, (n, span) radians, and whether the sweep has such a stripe."""
     number = first[:, None] + np.arange(span)
-    theta = start + (number + 0.5) * config.step
-    cast = profile(theta - where.angle[:, None], where.ratio[:, None], config.wedge)
-    cast[(number < 0) | (number >= config.stripes)] = 0
-    values = cast * amplitude[:, None]
-    if config.noise > 0:
-        values = values - speckle(cast, config.noise, rng)
-    return Samples(first, quantise(values, config.bits))
-
-
-def speckle(cast: NDArray[np.float64], magnitude: float, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Additive noise ``min(L, A) exp(-2 z^2)``, z normal: what is taken from the intensity."""
-    return np.minimum(cast, magnitude) * np.exp(-2 * rng.standard_normal(cast.shape) ** 2)
-
-
-def quantise(values: NDArray[np.float64], bits: int) -> NDArray[np.float64]:
-    """Clip to [0, 1] and round to ``2**bits - 1`` steps; 0 bits only clip."""
-    clipped = np.clip(values, 0, 1)
-    if bits == 0:
-        return clipped
-    levels = 2**bits - 1
-    return np.round(clipped * levels) / levels
+    theta = config.sweep[0] + (number + 0.5) * config.step
+    return theta - angle[:, None], (number >= 0) & (number < config.stripes)
