@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from reports.console import Failure
+from reports.console import Failure, Interrupted
 
 COMMANDS = {
     "doctor": "reports.commands.doctor:doctor",
@@ -23,8 +23,6 @@ COMMANDS = {
     "compare": "reports.commands.compare:compare",
 }
 """Where each command is, in the order of the help page."""
-
-INTERRUPTED = 130
 
 
 class Commands(click.Group):
@@ -63,7 +61,7 @@ class Commands(click.Group):
             status = error.exit_code
         except (click.Abort, KeyboardInterrupt):
             _tell("interrupted")
-            status = INTERRUPTED
+            status = Interrupted.exit_code
         sys.exit(status if isinstance(status, int) else 0)
 
 

@@ -29,6 +29,12 @@ class Failure(click.ClickException):
         click.echo(f"medialbench: {self.format_message()}", file=file or sys.stderr)
 
 
+class Interrupted(Failure):
+    """Stopped from the keyboard."""
+
+    exit_code = 130
+
+
 class Command(click.Command):
     """A command with --quiet and --debug that fails with one line."""
 

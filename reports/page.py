@@ -30,7 +30,7 @@ def build(
     results_folder
         Made by `evaluation.run`.
     out
-        Folder of the report, by default ``report`` in the results folder. Files of an earlier one are replaced.
+        Folder of the report, by default ``report`` in the results folder; files there are replaced.
     pairs
         Largest number of pairs of scans to draw, spread evenly over data sets and regimes; None for all.
     progress

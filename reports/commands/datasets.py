@@ -7,7 +7,7 @@ import click
 from reports.console import Bar, Command, note, output
 
 
-@click.command(cls=Command)
+@click.command(cls=Command, short_help="List the built-in shapes, or write them as files.")
 @click.argument("name", required=False)
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), help="Folder to write PLY files and a manifest to."

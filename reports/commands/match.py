@@ -43,7 +43,7 @@ def _shared(command: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-@click.command(cls=Command)
+@click.command(cls=Command, short_help="Match two clouds point by point.")
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("target", type=click.Path(path_type=Path))
 @_shared
@@ -98,7 +98,7 @@ def match(
     note(quiet, f"{_summary(found, clouds[0])}; written to {out}")
 
 
-@click.command(cls=Command)
+@click.command(cls=Command, short_help="Find the intrinsic symmetry of a cloud.")
 @click.argument("cloud", type=click.Path(path_type=Path))
 @_shared
 def symmetry(cloud: Path, out: Path, points: int, modes: int, seed: int, repair: bool, quiet: bool) -> None:

@@ -21,7 +21,7 @@ class Count(click.ParamType):
         return int(value)
 
 
-@click.command(cls=Command)
+@click.command(cls=Command, short_help="Write tables, figures and a page of results.")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), help="Folder to write to.  [default: DIR/report]"

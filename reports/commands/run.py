@@ -1,19 +1,21 @@
 """``medialbench run``: an experiment from shapes to report."""
 
+import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.console import Command, Failure, note, output, remarks
+from reports.console import PLAIN_EVERY, Command, Failure, Interrupted, clock, note, output, remarks
 
 if TYPE_CHECKING:
     from evaluation import Experiment, ResultsStore
+    from evaluation.progress import Forecast, Progress
+    from evaluation.tasks import Report
 
-INTERRUPTED = 130
 
-
-@click.command(cls=Command)
+@click.command(cls=Command, short_help="Run an experiment from shapes to report.")
 @click.argument("experiment", metavar="PRESET|CONFIG.toml")
 @click.option("-o", "--out", type=click.Path(path_type=Path), help="Results folder.  [default: results/NAME]")
 @click.option(
@@ -21,7 +23,7 @@ INTERRUPTED = 130
     "datasets",
     multiple=True,
     metavar="NAME|FOLDER",
-    help="Use this data set instead of the experiment's: built in, or a folder with one mesh per pose; may be repeated.",
+    help="Use this instead of the experiment's data sets: built in, or a folder of poses; may be repeated.",
 )
 @click.option(
     "-j", "--jobs", type=click.IntRange(min=1), help="Worker processes.  [default: number of processors]"
@@ -62,7 +64,7 @@ def run(
 
 
 def load_experiment(name: str, datasets: tuple[str, ...]) -> "Experiment":
-    """An experiment by name or path, with other data sets if given; each takes the poses of the first one's rule."""
+    """An experiment by name or path, with other data sets if given, which follow its rule of poses."""
     from dataclasses import replace
 
     from evaluation.experiment import Dataset, Experiment
@@ -77,17 +79,56 @@ def load_experiment(name: str, datasets: tuple[str, ...]) -> "Experiment":
 
 def _sweep(settings: "Experiment", folder: Path, quiet: bool, **options: Any) -> "ResultsStore":
     from evaluation import run as run_experiment
-    from evaluation.progress import Bars, Silent
 
     note(quiet, f"{settings.name}: {settings.description}" if settings.description else settings.name)
     try:
-        return run_experiment(
-            settings, folder, progress=Silent() if quiet else Bars(console=remarks()), **options
-        )
+        return run_experiment(settings, folder, progress=_progress(quiet), **options)
     except KeyboardInterrupt as stop:
-        failure = Failure(f"interrupted; what is done is stored in {str(folder)!r}, the same command goes on")
-        failure.exit_code = INTERRUPTED
-        raise failure from stop
+        raise Interrupted(
+            f"interrupted; results so far are in {str(folder)!r}, the same command goes on"
+        ) from stop
+
+
+def _progress(quiet: bool) -> "Progress":
+    """A bar on a terminal, lines elsewhere, nothing if quiet."""
+    from evaluation.progress import Bars, Silent
+
+    if quiet:
+        return Silent()
+    console = remarks()
+    return Bars(console=console) if console.is_terminal else Lines()
+
+
+class Lines:
+    """Progress of a run as lines at intervals, for logs."""
+
+    def __init__(self, every: float = PLAIN_EVERY) -> None:
+        self._every, self._spoken = every, time.monotonic()
+        self._forecast: Forecast | None = None
+        self._total = 0
+
+    def begin(self, waiting: Mapping[str, int], stored: int, workers: int, dashboard: str) -> None:
+        """Say how much there is to do."""
+        from evaluation.progress import Forecast
+
+        self._forecast, self._total = Forecast(dict(waiting), workers), sum(waiting.values())
+        where = f", dashboard {dashboard}" if dashboard else ""
+        note(False, f"{self._total} tasks to run, {stored} results stored, {workers} workers{where}")
+
+    def advance(self, report: "Report") -> None:
+        """Count a task; say where things are now and then, and failures at once."""
+        assert self._forecast is not None
+        self._forecast.advance(report)
+        if not report.ok and report.kind != "blocked":
+            note(False, f"failed: {report.task.label}: {report.reason}")
+        if time.monotonic() - self._spoken >= self._every:
+            self._spoken = time.monotonic()
+            done = sum(self._forecast.done.values())
+            rate, left = self._forecast.throughput, clock(self._forecast.seconds_left)
+            note(False, f"{done} of {self._total} tasks, {rate:.1f} tasks/s, about {left} left")
+
+    def end(self) -> None:
+        """Nothing."""
 
 
 def _preview(settings: "Experiment", folder: Path) -> None:
@@ -97,14 +138,12 @@ def _preview(settings: "Experiment", folder: Path) -> None:
     say = output().print
     if outlook.unknown:
         say(
-            f"data sets still to be made, their tasks are not counted: {', '.join(outlook.unknown)}",
+            f"still to be made, tasks not counted: {', '.join(outlook.unknown)}",
             markup=False,
         )
     for stage, count in outlook.waiting.items():
         say(f"{stage:10} {count:6} to run", markup=False)
-    say(
-        f"{outlook.stored} results are stored already and would be used; the table would have {outlook.rows} rows"
-    )
+    say(f"{outlook.stored} results are stored already; the table would have {outlook.rows} rows")
     for label, reason in outlook.unavailable.items():
         say(f"{label}: would not run: {reason}", markup=False)
     if not any(outlook.waiting.values()) and not outlook.unknown:

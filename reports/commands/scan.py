@@ -8,7 +8,7 @@ import click
 from reports.console import Command, note, steps
 
 
-@click.command(cls=Command)
+@click.command(cls=Command, short_help="Scan a mesh with the simulated laser scanner.")
 @click.argument("mesh", type=click.Path(path_type=Path))
 @click.option(
     "-o",
