@@ -13,7 +13,16 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from datasets_gen.shape import Shape
-from evaluation.unfolding import REACHED, Floats, Ints, face_adjacency, lay_flat, see_through, shortcuts
+from evaluation.unfolding import (
+    ENTRY_DEPTH,
+    REACHED,
+    Floats,
+    Ints,
+    face_adjacency,
+    lay_flat,
+    see_through,
+    shortcuts,
+)
 from medial.compiled import compiled
 
 LANDMARKS = 16
@@ -142,7 +151,19 @@ def _enter(
         used += 1
     for edge in range(3):
         used, seen = see_through(
-            vertices, faces, neighbour, opposite, face, edge, flat, goal_face, goal, ids, lengths, used
+            vertices,
+            faces,
+            neighbour,
+            opposite,
+            face,
+            edge,
+            flat,
+            goal_face,
+            goal,
+            ids,
+            lengths,
+            used,
+            ENTRY_DEPTH,
         )
         direct = min(direct, seen)
     return used, direct

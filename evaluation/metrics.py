@@ -135,7 +135,7 @@ def overlap(source: NDArray[np.float64], target: NDArray[np.float64], radius: fl
     -------
     (n,) bool
     """
-    return cKDTree(target).query(source, distance_upper_bound=radius)[0] <= radius
+    return cKDTree(target).query(source)[0] <= radius
 
 
 def intersection_over_union(predicted: NDArray[np.bool_], truth: NDArray[np.bool_]) -> float:

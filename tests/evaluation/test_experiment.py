@@ -1,0 +1,113 @@
+import tomllib
+
+import pytest
+
+from datasets_gen import InputError
+from evaluation.experiment import Condition, Experiment, presets
+from evaluation.toml import dumps
+
+SMALL = {
+    "name": "small",
+    "dataset": [{"name": "human", "poses": ["rest", "sit"]}],
+    "scan": {"points": 500, "scanner": {"noise": 0.1}},
+    "stability": {"sweep": {"threshold": [0.3, 0.8]}},
+    "matching": {"sweep": {"threshold": [0.5], "views": [2, 6]}},
+    "method": [{"name": "medial", "config": "paper"}],
+}
+
+
+def changed(**changes):
+    return Experiment.from_table({**SMALL, **changes})
+
+
+def test_sweeps_are_products_over_the_base_condition():
+    experiment = Experiment.from_table(SMALL)
+    conditions = dict(experiment.stability_conditions())
+    assert [c.threshold for c in conditions.values()] == [0.3, 0.8]
+    assert {c.points for c in conditions.values()} == {500}
+    regimes = experiment.regimes()
+    assert [(r.name, r.source.views) for r in regimes] == [
+        ("threshold 0.5, views 2", 2),
+        ("threshold 0.5, views 6", 6),
+    ]
+    assert all(r.source == r.target for r in regimes)
+    assert regimes[0].source.scanner == {"noise": 0.1}
+
+
+def test_one_side_and_the_scanner_can_be_swept():
+    sweep = {"target.rotation": [0.0, 90.0], "scanner.noise": [0.3]}
+    regimes = changed(matching={"sweep": sweep}).regimes()
+    assert [(r.source.rotation, r.target.rotation) for r in regimes] == [(0, 0), (0, 90)]
+    assert {r.source.scanner["noise"] for r in regimes} == {0.3}
+
+
+def test_named_regimes():
+    regimes = changed(matching={"regime": [{"name": "hard", "views": "opposed", "threshold": 0.9}]}).regimes()
+    assert [(r.name, r.source.views, r.target.threshold) for r in regimes] == [("hard", "opposed", 0.9)]
+
+
+def test_options_of_a_method_stand_beside_its_name():
+    method = Experiment.from_table(SMALL).method[0]
+    assert (method.label, method.options) == ("medial", {"config": "paper"})
+
+
+@pytest.mark.parametrize("name", presets())
+def test_presets_are_valid_and_survive_writing(name):
+    experiment = Experiment.load(name)
+    assert experiment.name == name
+    assert Experiment.from_table(tomllib.loads(dumps(experiment.as_dict()))) == experiment
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"datset": []}, "unknown key 'datset'; did you mean 'dataset'"),
+        ({"scan": {"tresholds": 0.1}}, r"\[scan\]: unknown key 'tresholds'; did you mean 'threshold'"),
+        ({"scan": {"threshold": 0}}, r"threshold must lie in \(0, 1\], got 0"),
+        ({"scan": {"threshold": 1.5}}, r"threshold must lie in \(0, 1\], got 1.5"),
+        ({"scan": {"points": 0}}, "points must be a positive number, got 0"),
+        ({"scan": {"scanner": {"views": 3}}}, "views"),
+        ({"matching": {"sweep": {"thresold": [1]}}}, "unknown key 'thresold'; did you mean 'threshold'"),
+        ({"matching": {"sweep": {"threshold": 0.1}}}, "must be a list"),
+        ({"matching": {"pairs": "every"}}, "got 'every'"),
+        ({"stability": {"operators": ["medal"]}}, "unknown operator 'medal'; did you mean 'medial'"),
+        ({"method": []}, "nothing to match with"),
+        ({"method": [{"name": "heat"}, {"name": "heat"}]}, "two methods are called 'heat'"),
+        ({"method": [{"label": "x"}]}, "needs a name"),
+        ({"dataset": []}, "nothing to scan"),
+        ({"dataset": {"name": "human"}}, "two brackets|must be|needs"),
+        ({"seeds": 3}, "list of integers"),
+        ({"timeout": 0}, "timeout must be positive"),
+        ({"stability": None, "matching": None}, "nothing to measure"),
+    ],
+)
+def test_what_cannot_be_used_is_named(changes, message):
+    with pytest.raises(InputError, match=message) as error:
+        changed(**changes)
+    assert "\n" not in str(error.value)
+
+
+def test_unknown_presets_and_files(tmp_path):
+    with pytest.raises(InputError, match="unknown preset 'quik'; did you mean 'quick'"):
+        Experiment.load("quik")
+    with pytest.raises(InputError, match="cannot read"):
+        Experiment.load(tmp_path / "none.toml")
+    bad = tmp_path / "bad.toml"
+    bad.write_text("name = ")
+    with pytest.raises(InputError, match="not valid TOML"):
+        Experiment.load(bad)
+
+
+def test_folders_are_meant_from_beside_the_file(tmp_path):
+    (tmp_path / "meshes").mkdir()
+    file = tmp_path / "mine.toml"
+    file.write_text('[[dataset]]\nname = "meshes"\n[stability]\n')
+    experiment = Experiment.load(file)
+    assert experiment.name == "mine"
+    assert experiment.dataset[0].name == str(tmp_path / "meshes")
+
+
+def test_a_condition_keeps_what_is_not_replaced():
+    base = Condition(threshold=0.4, scanner={"noise": 0.2, "stripes": 10})
+    found = base.with_values({"scanner.noise": 0.5, "views": 3})
+    assert (found.threshold, found.views, found.scanner) == (0.4, 3, {"noise": 0.5, "stripes": 10})
