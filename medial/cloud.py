@@ -1,0 +1,110 @@
+"""Two clouds in common units, and the neighbourhoods that follow the body rather than space."""
+
+from dataclasses import dataclass
+
+import fpsample
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from medial.diffusion import Diffusion
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """A cloud in the units of its pair: lengths are in square roots of the surface area.
+
+    Attributes
+    ----------
+    points, normals, centers : (n, 3) float64
+        Medial centres are the points themselves for surface operators.
+    radii : (n,) float64
+        Medial radii; 0 for surface operators.
+    """
+
+    points: Float
+    normals: Float
+    centers: Float
+    radii: Float
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.points)
+
+    @property
+    def features(self) -> Float:
+        """Positions and medial centres, (n, 6): near in both means near along the body."""
+        return np.hstack([self.points, self.centers])
+
+
+def common_units(source: Diffusion, target: Diffusion) -> tuple[Cloud, Cloud]:
+    """Both clouds in square roots of the larger one's area."""
+    scale = relative_scale(source, target)
+    unit = float(np.sqrt(max(source.areas.sum(), target.areas.sum() * scale**2)))
+    clouds = (
+        Cloud(d.points * factor, d.normals, d.centers * factor, d.radii * factor)
+        for d, factor in ((source, 1 / unit), (target, scale / unit))
+    )
+    first, second = clouds
+    return first, second
+
+
+def relative_scale(source: Diffusion, target: Diffusion) -> float:
+    """Factor that brings the target to the source's units; 1 unless the clouds' sizes differ grossly.
+
+    Scans of one subject share their units. Medial radii barely depend on pose and missing data, so their
+    medians tell when they do not.
+    """
+    sizes = [
+        float(np.median(d.radii)) if d.radii.any() else float(np.sqrt(d.areas.sum()))
+        for d in (source, target)
+    ]
+    ratio = sizes[0] / sizes[1]
+    return 1.0 if 0.7 < ratio < 1.4 else ratio
+
+
+def farthest_order(points: Float, count: int) -> Int:
+    """The first `count` points in farthest-point order, from the point farthest from the mean."""
+    start = int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())
+    count = min(count, len(points))
+    height = min(7, max(1, int(np.log2(len(points))) - 3))
+    order = fpsample.bucket_fps_kdline_sampling(points, count, h=height, start_idx=start)
+    return order.astype(np.int64)
+
+
+def neighbour_pairs(tree: cKDTree, positions: Float, neighbours: int) -> Int:
+    """Pairs of nearest neighbours; separate parts are joined where their positions are closest.
+
+    Parameters
+    ----------
+    tree
+        Of K nodes' features.
+    positions : (K, d)
+    neighbours
+
+    Returns
+    -------
+    (E, 2) int64
+        Each pair once, the smaller id first; connected.
+    """
+    count = len(positions)
+    _, near = tree.query(tree.data, k=min(neighbours + 1, count))
+    near = near.reshape(count, -1)[:, 1:]
+    pairs = np.column_stack([np.repeat(np.arange(count), near.shape[1]), near.ravel()])
+    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+    while True:
+        graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+        parts, label = connected_components(graph, directed=False)
+        if parts <= 1:
+            return pairs[pairs[:, 0] != pairs[:, 1]].astype(np.int64)
+        smallest = label == np.bincount(label).argmin()
+        here, there = np.flatnonzero(smallest), np.flatnonzero(~smallest)
+        gap, closest = cKDTree(positions[there]).query(positions[here])
+        best = np.argsort(gap, kind="stable")[:2]
+        bridge = np.sort(np.column_stack([here[best], there[closest[best]]]), axis=1)
+        pairs = np.unique(np.concatenate([pairs, bridge]), axis=0)
