@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from datasets_gen.records import InputError
+from datasets_gen.registry import names
 from evaluation.experiment import Condition, Dataset, Experiment, Method, Regime
 from evaluation.identity import digest_files, seed_of
 from evaluation.methods.registry import create, method_version, missing
@@ -50,6 +51,8 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
         if name in found:
             raise InputError(f"two data sets are called {name!r}; rename one of the folders")
         folder = Path(dataset.name)
+        if not folder.is_dir():
+            reject_unknown([dataset.name], names(), "experiment", "data set (and no folder of that name)")
         files = [path for path in folder.iterdir() if path.is_file()] if folder.is_dir() else []
         spec = {"name": str(folder.resolve()) if files else dataset.name, "options": dict(dataset.options)}
         code = digest_files(*files) if files else ""

@@ -102,6 +102,7 @@ def run(
     settings = experiment if isinstance(experiment, Experiment) else Experiment.load(experiment)
     path = Path(folder).resolve()
     store = ResultsStore(path)
+    make_plan(settings, shape_tasks(settings), {})  # names and options are wrong before anything is written
     with lock(path):
         sweep = _Sweep(settings, store, jobs, scheduler, force, progress or Silent())
         return sweep.run()

@@ -72,7 +72,7 @@ class ResultsStore:
         """Versions, machine, wall time and counts of the last run; empty before the first."""
         try:
             return dict(json.loads((self.folder / "run.json").read_text(encoding="utf-8")))
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return {}
         except (OSError, ValueError) as error:
             raise InputError(

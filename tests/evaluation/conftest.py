@@ -1,0 +1,72 @@
+"""A tiny data set and a method file for runs that take seconds."""
+
+import pytest
+import trimesh
+
+from evaluation import Experiment
+from tests.evaluation.meshes import blob
+
+METHODS = '''
+import os, time
+from dataclasses import dataclass
+import numpy as np
+from evaluation.methods import Method, dense
+
+@dataclass(frozen=True, kw_only=True)
+class Nearest(Method):
+    """Nearest neighbour in space; or trouble, on demand."""
+
+    trouble: str = ""
+
+    def match(self, source, target, seed):
+        if self.trouble == "raise":
+            raise RuntimeError("out of luck")
+        if self.trouble == "hang":
+            time.sleep(600)
+        if self.trouble == "die":
+            os.kill(os.getpid(), 9)
+        if self.trouble == "wrong":
+            return dense(np.full(len(source), len(target)), np.ones(len(source)))
+        from scipy.spatial import cKDTree
+        distance, nearest = cKDTree(target.points).query(source.points)
+        return dense(nearest, np.exp(-distance), seed=seed)
+'''
+
+
+@pytest.fixture(scope="session")
+def blobs(tmp_path_factory):
+    """A folder with three poses of a small body."""
+    folder = tmp_path_factory.mktemp("data") / "blob"
+    folder.mkdir()
+    for pose, bend in (("rest", 0.0), ("bent", 0.5), ("curled", 0.9)):
+        shape = blob(3, bend, pose)
+        trimesh.Trimesh(shape.vertices, shape.faces, process=False).export(folder / f"{pose}.ply")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def method_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("methods") / "mine.py"
+    path.write_text(METHODS)
+    return path
+
+
+@pytest.fixture
+def small(blobs, method_file):
+    """Makes an experiment of seconds; keyword arguments replace sections."""
+
+    def make(**changes):
+        table = {
+            "name": "small",
+            "dataset": [{"name": str(blobs)}],
+            "scan": {"points": 300, "views": 3, "scanner": {"resolution": [60, 60], "stripes": 120}},
+            "operators": {"modes": 30},
+            "stability": {"operators": ["heat"], "sweep": {"threshold": [0.2, 0.7]}, "pairs": 500},
+            "matching": {"sweep": {"threshold": [0.2]}},
+            "method": [{"name": f"{method_file}:Nearest", "label": "nearest"}],
+            "evaluated": 100,
+            "timeout": 120.0,
+        }
+        return Experiment.from_table({**table, **changes})
+
+    return make
