@@ -38,8 +38,7 @@ def sweep(tracer: "Tracer", pose: NDArray[np.float64], hits: "Hits", seed: int =
     """
     config = tracer.config
     index = np.flatnonzero(hits.radiance > 0)
-    focus = float(np.linalg.norm(pose[:3, 3] + config.baseline * pose[:3, 0]))
-    images = focus**2 * render(tracer, pose, hits.pixels[index], np.arange(config.stripes), seed)
+    images = config.nearest**2 * render(tracer, pose, hits.pixels[index], np.arange(config.stripes), seed)
     span = 2 * int(np.ceil(config.wedge / 2 / config.step)) + 1
     first = images.argmax(axis=1) - span // 2
     column = first[:, None] + np.arange(span)

@@ -56,11 +56,11 @@ class ScannerConfig:
     stripe_width: float | None = None
     """Full angle of the wedge, degrees; None: 450 / columns, as in the reference."""
     beam_waist: float = 0.5
-    """Smallest 1/e^2 radius of the Gaussian beam, at the distance of the object's centre, mm."""
+    """Smallest 1/e^2 radius of the Gaussian beam, at about the distance of the object's centre, mm."""
     wavelength: float = 650.0
     """Of the Gaussian beam's divergence, nm."""
     falloff: Literal["none", "inverse_square"] = "none"
-    """Irradiance over distance: constant as in the reference, or 1/r^2, 1 at the object's centre."""
+    """Irradiance over distance: constant as in the reference, or 1/r^2 with 1 at the nearest depth swept."""
     smoothing: float = 0.0
     """Gaussian blur of each stripe's image, standard deviation in pixels (the reference's laser smoother)."""
 
@@ -106,7 +106,7 @@ class ScannerConfig:
     realign: bool = False
     """Re-align the views by ICP."""
     normals: Literal["true", "pca", "mst"] = "true"
-    """True ones; PCA of the neighbours with the sign from the scanner; PCA with signs by a spanning tree."""
+    """True ones; PCA within each view with the sign from the scanner; PCA with signs by a spanning tree."""
     neighbours: int = 12
     """Points of a PCA, the point itself not counted."""
 
@@ -147,6 +147,17 @@ class ScannerConfig:
     def focal(self) -> float:
         """Focal length in pixels."""
         return self.resolution[0] / 2 / self.half_width
+
+    @property
+    def nearest(self) -> float:
+        """Distance of the laser from the nearest depth swept, on the camera's axis, mm."""
+        return math.hypot(self.min_range, self.baseline)
+
+    @property
+    def focus(self) -> float:
+        """Distance of the laser from an object of average proportions, where the beam has its waist, mm."""
+        depth = self.min_range + self.object_size / 2 if self.distance is None else self.distance
+        return math.hypot(depth, self.baseline)
 
     @property
     def wedge(self) -> float:

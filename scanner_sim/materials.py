@@ -12,7 +12,8 @@ from datasets_gen.shape import Shape
 from scanner_sim.config import ScannerConfig
 
 Attributes = Mapping[str, NDArray[np.floating]]
-"""Values by name: per vertex ``vertex_*`` (v,) or (v, k), per face ``face_*`` (f,) or (f, k), ``vertex_uv``."""
+"""Values per vertex, ``vertex_*`` (v,) or (v, k), or face, ``face_*`` (f,) or (f, k); ``vertex_uv`` (v, 2).
+"""
 
 
 def _gray(value: float) -> dict[str, Any]:

@@ -61,7 +61,6 @@ class Measured:
 def measure(
     hits: Hits,
     config: ScannerConfig,
-    focus: float,
     rng: np.random.Generator,
     rendered: stripe.Swept | None = None,
 ) -> Measured:
@@ -71,8 +70,6 @@ def measure(
     ----------
     hits
     config
-    focus
-        Distance of the laser from the object's centre, mm.
     rng
         Source of the sensor's noise.
     rendered
@@ -81,10 +78,10 @@ def measure(
     index = np.flatnonzero(hits.radiance > 0)
     where = stripe.sheet(hits.points[index], config.baseline)
     if rendered is None:
-        first, values = intensities(hits, index, where, config, focus, rng)
+        first, values = intensities(hits, index, where, config, rng)
     else:
         first, values = rendered.first, sensor.expose(rendered.values, rendered.values, config, rng)
-    return _fitted(hits, index, where, first, values, config, focus)
+    return _fitted(hits, index, where, first, values, config)
 
 
 def intensities(
@@ -92,18 +89,17 @@ def intensities(
     index: NDArray[np.int64],
     where: stripe.Sheet,
     config: ScannerConfig,
-    focus: float,
     rng: np.random.Generator,
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Camera intensities over time of the lit pixels: first stripe (m,) and values (m, w)."""
-    amplitude = hits.radiance[index] * stripe.falloff(where, config, focus)
+    amplitude = hits.radiance[index] * stripe.falloff(where, config)
     if config.smoothing == 0:
-        swept = stripe.sweep(where, config, focus)
+        swept = stripe.sweep(where, config)
         light = swept.values * amplitude[:, None]
     else:
         margin = 3 * config.smoothing / config.focal
-        swept = stripe.sweep(where, config, focus, margin)
-        light = blurred(hits.pixels[index], amplitude, where, swept, config, focus)
+        swept = stripe.sweep(where, config, margin)
+        light = blurred(hits.pixels[index], amplitude, where, swept, config)
     return swept.first, sensor.expose(light, swept.values, config, rng)
 
 
@@ -113,7 +109,6 @@ def blurred(
     where: stripe.Sheet,
     swept: stripe.Swept,
     config: ScannerConfig,
-    focus: float,
 ) -> NDArray[np.float64]:
     """Light of every stripe near each pixel after each stripe's image was blurred, (m, w).
 
@@ -133,7 +128,7 @@ def blurred(
             q = other[here]
             source = stripe.Sheet(where.angle[q], where.axis[q], where.distance[q])
             offset, inside = stripe.offsets(swept.first[here], total.shape[1], source.angle, config)
-            cast = np.where(inside, stripe.light(offset, source, config, focus), 0)
+            cast = np.where(inside, stripe.light(offset, source, config), 0)
             total[here] += weights[dy] * weights[dx] * amplitude[q, None] * cast
     return total
 
@@ -145,7 +140,6 @@ def _fitted(
     first: NDArray[np.int64],
     values: NDArray[np.float64],
     config: ScannerConfig,
-    focus: float,
 ) -> Measured:
     """Peaks, points and verdicts of intensities over time."""
     peaks = peak.fit(values, config.fit)
@@ -154,7 +148,7 @@ def _fitted(
     points = triangulate(camera_rays(hits.pixels[index], config), angle, config.baseline)
     truth = hits.points[index]
     fitting = (peaks.residual <= config.residual_threshold) & (points[:, 2] > 0)
-    fitting &= width <= config.std_threshold * stripe.cast_width(where, config, focus)
+    fitting &= width <= config.std_threshold * stripe.cast_width(where, config)
     if config.depth_threshold is not None:
         fitting &= np.linalg.norm(points - truth, axis=1) <= config.depth_threshold
     faint = np.isnan(peaks.peak) & (values.max(axis=1, initial=0) < config.peak_threshold)

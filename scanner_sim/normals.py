@@ -37,6 +37,23 @@ def pca(points: NDArray[np.float64], neighbours: int = 12) -> NDArray[np.float64
     return out
 
 
+def pca_by_view(
+    points: NDArray[np.float64], view_ids: NDArray[np.integer], neighbours: int = 12
+) -> NDArray[np.float64]:
+    """As `pca`, with neighbours of the same view alone: other views are nearer but not better aligned.
+
+    Views with too few points take neighbours from all.
+    """
+    out = np.empty_like(points)
+    views, counts = np.unique(view_ids, return_counts=True)
+    if (counts <= neighbours).any():
+        out = pca(points, neighbours)
+    for view in views[counts > neighbours]:
+        mine = view_ids == view
+        out[mine] = pca(points[mine], neighbours)
+    return out
+
+
 def _nearest(points: NDArray[np.float64], neighbours: int) -> NDArray[np.int64]:
     """Each point and its nearest neighbours, (n, neighbours + 1)."""
     if len(points) <= neighbours:

@@ -61,13 +61,13 @@ def realign(points: NDArray[np.float64], view_ids: NDArray[np.integer], seed: in
         for view in views:
             mine = np.flatnonzero(view_ids == view)
             picked = rng.permutation(mine)[:SAMPLE]
-            tree = cKDTree(out[view_ids != view])
-            gap = tree.query(out[picked])[0]
+            others = out[view_ids != view]
+            gap = cKDTree(others).query(out[picked])[0]
             near = picked[gap <= OVERLAP * np.median(gap)]
             if len(near) < 20:
                 continue
             matrix, _, _ = trimesh.registration.icp(
-                out[near], tree, reflection=False, scale=False, max_iterations=30
+                out[near], others, reflection=False, scale=False, max_iterations=30
             )
             out[mine] = trimesh.transform_points(out[mine], matrix)
     return out

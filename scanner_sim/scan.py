@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -103,7 +104,12 @@ class Scan:
         return self.select(farthest_points(self.points, n, start))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write as ``.npz``."""
+        """Write everything as ``.npz``, or the points with their attributes as ``.ply``."""
+        if Path(path).suffix.lower() == ".ply":
+            from scanner_sim.export import write_ply
+
+            write_ply(self, path)
+            return
         arrays = {name: getattr(self, name) for name in (*_ARRAYS, "poses")}
         meta = {name: getattr(self, name) for name in ("shape_name", "seed", "scale")}
         meta["config"] = asdict(self.config)
@@ -111,7 +117,7 @@ class Scan:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Scan":
-        """Read a file written by `save`."""
+        """Read a ``.npz`` written by `save`."""
         arrays, meta = load_record(path, "Scan")
         meta["config"] = ScannerConfig.from_dict(meta["config"])
         return cls(**arrays, **meta)

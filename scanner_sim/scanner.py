@@ -74,8 +74,6 @@ class Rig:
     ----------
     poses : (V, 4, 4) float64
         Camera-to-rig matrices, mm.
-    focus : float
-        Distance of the laser from the object's centre, mm.
     """
 
     def __init__(self, shape: Shape, config: ScannerConfig, attributes: Attributes | None = None) -> None:
@@ -86,7 +84,6 @@ class Rig:
         half = self.tracer.frame.diagonal / 2
         distance = config.min_range + half if config.distance is None else config.distance
         self.poses = viewpoints.poses(viewpoints.directions(config.views, config.up), distance, config.up)
-        self.focus = float(np.hypot(distance, config.baseline))
         if distance < half:
             self._check_outside()
 
@@ -119,8 +116,8 @@ class Rig:
         rng = np.random.default_rng([seed, number])
         if self.config.bounces > 1:
             rendered = bruteforce.sweep(self.tracer, self.poses[number], hits, seed=seed)
-            return hits, measure(hits, self.config, self.focus, rng, rendered)
-        return hits, measure(hits, self.config, self.focus, rng)
+            return hits, measure(hits, self.config, rng, rendered)
+        return hits, measure(hits, self.config, rng)
 
 
 def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:
@@ -173,7 +170,7 @@ def estimated_normals(scan: Scan, kind: str = "pca", neighbours: int = 12) -> ND
     ----------
     scan
     kind
-        ``"pca"``: the scanner knows the side; ``"mst"``: signs by a spanning tree, as without a scanner.
+        ``"pca"``: within each view, the scanner knowing the side; ``"mst"``: signs by a spanning tree.
     neighbours
         Of each point.
 
@@ -182,13 +179,13 @@ def estimated_normals(scan: Scan, kind: str = "pca", neighbours: int = 12) -> ND
     (n, 3) float64
         Unit.
     """
-    found = normals.pca(scan.points, neighbours)
     if kind == "mst":
-        return normals.spanning_tree(scan.points, found, neighbours)
+        return normals.spanning_tree(scan.points, normals.pca(scan.points, neighbours), neighbours)
     if kind != "pca":
         raise InputError(f"normals can be estimated by 'pca' or 'mst', not {kind!r}")
     if (scan.view_ids < 0).any():
         raise InputError("this scan knows no viewpoints; estimate its normals with kind='mst'")
+    found = normals.pca_by_view(scan.points, scan.view_ids, neighbours)
     return normals.toward(found, scan.points, scan.poses[scan.view_ids, :3, 3])
 
 

@@ -79,15 +79,13 @@ def gaussian(
     return np.where(np.abs(across) <= BEAM_CUT, waist / radius * np.exp(-2 * across**2), 0.0)
 
 
-def beam_radius(distance: NDArray[np.float64], focus: float, config: ScannerConfig) -> NDArray[np.float64]:
+def beam_radius(distance: NDArray[np.float64], config: ScannerConfig) -> NDArray[np.float64]:
     """1/e^2 radius w of the beam: ``w0 sqrt(1 + ((r - focus) / z_R)^2)``, ``z_R = pi w0^2 / lambda``."""
     rayleigh = math.pi * config.beam_waist**2 / (config.wavelength * 1e-6)
-    return config.beam_waist * np.hypot(1, (distance - focus) / rayleigh)
+    return config.beam_waist * np.hypot(1, (distance - config.focus) / rayleigh)
 
 
-def light(
-    offset: NDArray[np.float64], where: Sheet, config: ScannerConfig, focus: float
-) -> NDArray[np.float64]:
+def light(offset: NDArray[np.float64], where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
     """Relative radiance of stripes at points, without falloff.
 
     Parameters
@@ -97,34 +95,32 @@ def light(
     where
         n points.
     config
-    focus
-        Distance of the laser from the object's centre, mm.
     """
     if config.beam == "wedge":
         return wedge(offset, (where.axis / where.distance)[:, None], config.wedge)
-    radius = beam_radius(where.distance, focus, config)
+    radius = beam_radius(where.distance, config)
     return gaussian(offset, where.axis[:, None], radius[:, None], config.beam_waist)
 
 
-def half_angle(where: Sheet, config: ScannerConfig, focus: float) -> NDArray[np.float64]:
+def half_angle(where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
     """Largest theta - phi that lights each point, radians, (n,)."""
     if config.beam == "wedge":
         return np.full(len(where.angle), config.wedge / 2)
-    return np.arcsin(np.minimum(BEAM_CUT * beam_radius(where.distance, focus, config) / where.axis, 1))
+    return np.arcsin(np.minimum(BEAM_CUT * beam_radius(where.distance, config) / where.axis, 1))
 
 
-def cast_width(where: Sheet, config: ScannerConfig, focus: float) -> NDArray[np.float64]:
+def cast_width(where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
     """Width s of the peak ``exp(-(theta - phi)^2 / s^2)`` that the sheet casts, radians, (n,)."""
     if config.beam == "wedge":
         return math.tan(config.wedge / 2) / 2 * where.distance / where.axis
-    return beam_radius(where.distance, focus, config) / (math.sqrt(2) * where.axis)
+    return beam_radius(where.distance, config) / (math.sqrt(2) * where.axis)
 
 
-def falloff(where: Sheet, config: ScannerConfig, focus: float) -> NDArray[np.float64]:
-    """Irradiance relative to that at the object's centre, (n,)."""
+def falloff(where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
+    """Irradiance relative to that at the nearest depth swept, in front of the camera, (n,)."""
     if config.falloff == "none":
         return np.ones(len(where.distance))
-    return (focus / where.distance) ** 2
+    return (config.nearest / where.distance) ** 2
 
 
 @dataclass(frozen=True)
@@ -143,7 +139,7 @@ class Swept:
     values: NDArray[np.float64]
 
 
-def sweep(where: Sheet, config: ScannerConfig, focus: float, margin: float = 0.0) -> Swept:
+def sweep(where: Sheet, config: ScannerConfig, margin: float = 0.0) -> Swept:
     """Relative radiance of every stripe near each point.
 
     Parameters
@@ -151,17 +147,15 @@ def sweep(where: Sheet, config: ScannerConfig, focus: float, margin: float = 0.0
     where
         n points.
     config
-    focus
-        Distance of the laser from the object's centre, mm.
     margin
         Angle by which the row of stripes is longer at both ends, radians.
     """
-    half = half_angle(where, config, focus) + margin
+    half = half_angle(where, config) + margin
     start, _ = config.sweep
     first = np.ceil((where.angle - half - start) / config.step - 0.5).astype(np.int64)
     span = int(np.ceil(2 * half.max(initial=0) / config.step)) + 1
     offset, inside = offsets(first, span, where.angle, config)
-    return Swept(first, np.where(inside, light(offset, where, config, focus), 0.0))
+    return Swept(first, np.where(inside, light(offset, where, config), 0.0))
 
 
 def offsets(

@@ -42,7 +42,7 @@ def directions(views: "Views", up: str = "y") -> NDArray[np.float64]:
     if isinstance(views, bool) or not isinstance(views, int | str):
         return _explicit(views)
     kind, count = _parse(views)
-    order = np.roll(np.arange(3), _AXES[up] - 1)  # y-up coordinates -> the mesh's
+    order = np.roll(np.arange(3), 1 - _AXES[up])  # y-up coordinates -> the mesh's
     local = _sphere(count) if kind == "sphere" else _ring(count)
     out = np.empty_like(local)
     out[:, order] = local
@@ -102,7 +102,18 @@ def _sphere_points(count: int) -> tuple[tuple[float, float, float], ...]:
             force -= (force * points).sum(axis=1, keepdims=True) * points
             points = points + (0.98**iteration) * 0.5 / count * force
             points /= np.linalg.norm(points, axis=1, keepdims=True)
+    points = points @ _turning(points[0])
     return tuple((float(a), float(b), float(c)) for a, b, c in points)
+
+
+def _turning(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Matrix that turns row vectors so that a direction becomes +z, about an axis perpendicular to both."""
+    x, y, z = direction
+    if z < -0.999999:
+        return np.diag([1.0, -1.0, -1.0])
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ np.array([0.0, 0.0, 1.0])
+    k = np.array([[0, -cross[2], cross[1]], [cross[2], 0, -cross[0]], [-cross[1], cross[0], 0]])
+    return (np.eye(3) + k + k @ k / (1 + z)).T
 
 
 def _sphere(count: int) -> NDArray[np.float64]:
