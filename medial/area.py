@@ -92,9 +92,10 @@ def dual_areas(
 ) -> NDArray[np.float64]:
     r"""Dual area |\star p| of every point: a third of the hull triangles around it (Eq. 10).
 
-    The hull is that of the points with medial centres within 1.5 sampling distances of this point's; where the
-    point is not on that hull, all points are projected to its ball (centre, radius) first. Points with fewer than
-    four such neighbours, or in one plane with them, take the area of their cell in the tangent plane.
+    The hull is that of the points with medial centres within 1.5 sampling distances of this point's; where
+    the point is not on that hull, all points are projected to its ball (centre, radius) first. Points with
+    fewer than four such neighbours, or in one plane with them, take the area of their cell in the tangent
+    plane.
 
     Parameters
     ----------

@@ -70,8 +70,8 @@ class Diffusion:
         normals : (n, 3) or None
             Outward normals; None estimates them.
         operator
-            ``"medial"`` (Eqs. 4-15), ``"heat"`` (Gaussian weights alone [BSW09]) or ``"robust"`` (tufted Laplacian
-            [Sharp & Crane 2020]).
+            ``"medial"`` (Eqs. 4-15), ``"heat"`` (Gaussian weights alone [BSW09]) or ``"robust"`` (tufted
+            Laplacian [Sharp & Crane 2020]).
         modes
             Eigenpairs to keep.
         eta

@@ -21,8 +21,8 @@ def gaussian_weights(
     ----------
     points : (n, 3)
     spacing
-        Sampling distance, in the units of `points`; by default sqrt(area per point) is approximated by the mean
-        distance to the nearest neighbour.
+        Sampling distance, in the units of `points`; by default sqrt(area per point) is approximated by the
+        mean distance to the nearest neighbour.
     nearest
         Every point keeps at least this many neighbours, at their distance's bandwidth.
 

@@ -35,7 +35,8 @@ class Operator:
     cutoff
         Smallest similarity kept.
     reference_points
-        Cloud size sigma_e refers to (`medial.density_weights`); None counts every point once, as Eq. 5 is written.
+        Cloud size sigma_e refers to (`medial.density_weights`); None counts every point once, as Eq. 5 is
+        written.
     tolerance
         Residual of the modes relative to the largest eigenvalue.
     """

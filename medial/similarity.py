@@ -2,13 +2,20 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csr_array
 
-from medial.ball import candidate_ball, columns, smallest_width
+from datasets_gen.records import InputError
+from medial.ball import SMALLEST_TANGENCY, smallest_width
 from medial.checks import check_cloud
-from medial.compiled import compiled, ranges, run_tasks
+from medial.compiled import ranges
+from medial.similarity_empty import Settings, similarities
+from medial.similarity_grid import critical_grid
+from medial.similarity_pairs import candidate_pairs, make_screen
+from medial.similarity_tree import LEAF, kd_cloud
+from medial.sparse import symmetric
 
-ROWS_PER_TASK = 64
+PAIRS_AT_ONCE = 10**8  # pairs of points examined before survivors are collected: bounds the memory
+MOST_PAIRS = 2.5e8  # similar pairs that 8 GB hold
 
 
 def similarity(
@@ -30,7 +37,7 @@ def similarity(
     sigma_e, sigma_t
         Tolerance to points inside the ball (Eq. 5) and to tilt of the normals (Eq. 4).
     cutoff
-        Smaller similarities are dropped.
+        Smaller similarities are dropped, in (0, 1).
     r_cap
         Largest radius of a candidate ball, in the units of `points`; by default the smallest PCA width of the
         cloud. Eq. 6 measures depth relative to r, so without a cap enormous balls look empty.
@@ -41,68 +48,50 @@ def similarity(
     Returns
     -------
     (n, n) float64 csr_array
-        Symmetric to the bit, zero diagonal.
+        Symmetric to the bit, zero diagonal. The same whatever the order of the points and the number of
+        threads.
 
     Raises
     ------
     InputError
-        If the arrays are not an oriented cloud.
+        If the arrays are not an oriented cloud, a parameter is out of range, or the cloud is so round that
+        most pairs are similar and the result would not fit in memory.
     """
     points, normals = check_cloud(points, normals)
-    cap = smallest_width(points) if r_cap is None else float(r_cap)
     n = len(points)
-    order = np.random.default_rng(0).permutation(n)
-    mass = np.ones(n) if weights is None else np.asarray(weights, dtype=np.float64)
-    cloud = (*columns(points[order]), *columns(normals[order]), np.ascontiguousarray(mass[order]))
-    tasks = [(*cloud, start, stop, sigma_e, sigma_t, cutoff, cap) for start, stop in ranges(n, ROWS_PER_TASK)]
-    parts = run_tasks(_rows, tasks)
-    rows, cols, values = (np.concatenate([part[k] for part in parts]) for k in range(3))
-    rows, cols = order[rows], order[cols]
-    both = coo_array(
-        (np.concatenate([values, values]), (np.concatenate([rows, cols]), np.concatenate([cols, rows]))),
-        shape=(n, n),
-    )
-    return csr_array(both.tocsr())
-
-
-@compiled(fastmath={"contract", "reassoc"})
-def _rows(px, py, pz, nx, ny, nz, mass, start, stop, sigma_e, sigma_t, cutoff, cap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Pairs i < j with phi >= cutoff for start <= i < stop."""
-    n = len(px)
+    mass = np.ones(n) if weights is None else np.ascontiguousarray(weights, dtype=np.float64)
+    _check(n, sigma_e, sigma_t, cutoff, mass)
+    cap = smallest_width(points) if r_cap is None else float(r_cap)
+    extent = float(np.ptp(points, axis=0).max())
+    if cap <= 1e-9 * extent:
+        return csr_array((n, n))  # a plane or a line: no ball fits below it
     budget = -np.log(cutoff)
-    smallest = 2.0 - budget * sigma_t * sigma_t / 4.0
-    size = 1024
-    count = 0
-    rows = np.empty(size, np.int64)
-    cols = np.empty(size, np.int64)
-    values = np.empty(size, np.float64)
-    for i in range(start, stop):
-        for j in range(i + 1, n):
-            cx, cy, cz, r, tangency = candidate_ball(px, py, pz, nx, ny, nz, i, j)
-            if r <= 0.0 or r > cap or tangency < smallest:
-                continue
-            tilt = 4.0 * max(2.0 - tangency, 0.0) / (sigma_t * sigma_t)
-            if tilt > budget:
-                continue
-            most = sigma_e * np.sqrt(budget - tilt)
-            scale = 1.0 / (r * r)
-            depth = 0.0
-            for m in range(n):
-                ux, uy, uz = px[m] - cx, py[m] - cy, pz[m] - cz
-                q = (ux * ux + uy * uy + uz * uz) * scale
-                if q < 1.0:
-                    depth += mass[m] * (1.0 - q * q)
-                    if depth > most:
-                        break
-            if depth > most:
-                continue
-            if count == size:
-                size *= 2
-                rows = np.concatenate((rows, np.empty(count, np.int64)))
-                cols = np.concatenate((cols, np.empty(count, np.int64)))
-                values = np.concatenate((values, np.empty(count, np.float64)))
-            rows[count] = i
-            cols[count] = j
-            values[count] = np.exp(-((depth / sigma_e) ** 2) - tilt)
-            count += 1
-    return rows[:count].copy(), cols[:count].copy(), values[:count].copy()
+    settings = Settings(float(sigma_e), float(sigma_t), budget, cap)
+    tangency = max(2.0 - sigma_t**2 * budget / 4, SMALLEST_TANGENCY)
+    cloud, order = kd_cloud(points, normals, mass)
+    grid = critical_grid(cloud, sigma_e * np.sqrt(budget), tangency, cap)
+    screen = make_screen(cloud, grid, tangency, cap)
+    found, total = [], 0
+    for leaves in ranges(len(cloud.spheres), max(PAIRS_AT_ONCE // (n * LEAF), 16)):
+        pairs = candidate_pairs(cloud, grid, screen, cap, leaves)
+        values = similarities(cloud, grid, pairs, settings)
+        kept = values >= cutoff
+        found.append((order[pairs.i[kept]], order[pairs.j[kept]], values[kept]))
+        total += len(found[-1][2])
+        if total > MOST_PAIRS:
+            raise InputError(
+                f"more than {MOST_PAIRS:.3g} of the pairs of {n} points are similar: the shape is close to a ball; "
+                "give fewer points or a larger cutoff"
+            )
+    i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
+    return symmetric(i, j, phi, n)
+
+
+def _check(n: int, sigma_e: float, sigma_t: float, cutoff: float, mass: NDArray[np.float64]) -> None:
+    for name, value in (("sigma_e", sigma_e), ("sigma_t", sigma_t)):
+        if not 0 < value < np.inf:
+            raise InputError(f"{name} is {value!r}; give a positive number")
+    if not 0 < cutoff < 1:
+        raise InputError(f"cutoff is {cutoff!r}; choose it in (0, 1)")
+    if mass.shape != (n,) or not (np.isfinite(mass).all() and (mass >= 0).all()):
+        raise InputError(f"weights must be {n} finite numbers >= 0, got shape {mass.shape}")
