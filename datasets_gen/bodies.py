@@ -51,6 +51,8 @@ class BodyPlan:
         Wanted edge length elsewhere, metres.
     spacing : float
         Grid of the first triangulation, metres; resolves the thinnest part.
+    stiffness : float
+        Longest distance over which neighbouring bones share the skin, metres.
     poses : mapping of str to Pose
         The first is the rest pose.
     symmetric : bool
@@ -63,6 +65,7 @@ class BodyPlan:
     details: tuple[Detail, ...]
     edge: float
     spacing: float
+    stiffness: float
     poses: Mapping[str, Pose]
     symmetric: bool
 
@@ -85,7 +88,8 @@ def triangulate(plan: BodyPlan, rounds: int = 12) -> tuple[Array, Ints, Ints | N
     -------
     vertices (v, 3), faces (f, 3), mirror (v,) or None
     """
-    lower, upper = plan.surface.bounds() + [[-3 * plan.spacing], [3 * plan.spacing]]
+    lower, upper = plan.surface.bounds()
+    lower, upper = lower - 3 * plan.spacing, upper + 3 * plan.spacing
     if plan.symmetric:
         lower[0] = 0.0
     x, y, z = (np.arange(lower[k], upper[k] + plan.spacing, plan.spacing) for k in range(3))
@@ -141,7 +145,7 @@ def build(plan: BodyPlan, mush_steps: int = 12) -> Collection:
     """Mesh a body plan and pose it; every pose stands on y = 0."""
     vertices, faces, mirror = triangulate(plan)
     owner = bone_of(vertices, plan.surface, plan.skeleton)
-    weights = diffused_weights(vertices, faces, owner, plan.skeleton)
+    weights = diffused_weights(vertices, faces, owner, plan.skeleton, plan.stiffness)
     mush = DeltaMush.of_rest(vertices, faces, mush_steps)
     shapes = []
     for name, pose in plan.poses.items():

@@ -76,7 +76,9 @@ def check_mesh(shape: Shape, *, allow_flat: bool = False) -> tuple[str, ...]:
     _check_arrays(shape)
     flat = int(flat_faces(shape).sum())
     if flat and not allow_flat:
-        raise InputError(f"{shape.name!r} has {flat} degenerate faces (no area); repair=True goes on without them")
+        raise InputError(
+            f"{shape.name!r} has {flat} degenerate faces (no area); repair=True goes on without them"
+        )
     _check_topology(shape)
     return (*((f"{flat} faces have no area",) if flat else ()), *_remarks(shape))
 
@@ -116,7 +118,9 @@ def _check_topology(shape: Shape) -> None:
         )
     conflicts = winding_conflicts(shape.faces)
     if conflicts:
-        raise InputError(f"{shape.name!r} is not orientable: {conflicts} edges have faces wound against each other")
+        raise InputError(
+            f"{shape.name!r} is not orientable: {conflicts} edges have faces wound against each other"
+        )
 
 
 def _remarks(shape: Shape) -> tuple[str, ...]:

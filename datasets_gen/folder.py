@@ -21,7 +21,19 @@ _log = logging.getLogger(__name__)
 
 MANIFEST = "manifest.json"
 FORMAT = "medialbench-collection-1"
-REST_NAMES = ("rest", "bind", "tpose", "t_pose", "t-pose", "apose", "a_pose", "a-pose", "neutral", "reference", "0")
+REST_NAMES = (
+    "rest",
+    "bind",
+    "tpose",
+    "t_pose",
+    "t-pose",
+    "apose",
+    "a_pose",
+    "a-pose",
+    "neutral",
+    "reference",
+    "0",
+)
 
 
 def load_folder(
@@ -69,7 +81,8 @@ def load_folder(
     order = [rest, *(pose for pose in wanted if pose != rest)]
     length = units or str(manifest.get("units", "unknown"))
     shapes = [
-        replace(read_mesh(files[pose], subject, length), name=f"{subject}/{pose}", pose=pose) for pose in order
+        replace(read_mesh(files[pose], subject, length), name=f"{subject}/{pose}", pose=pose)
+        for pose in order
     ]
     _check_shared(shapes, files)
     by_pose = dict(zip(order, admitted(shapes, repair), strict=True))
@@ -154,7 +167,9 @@ def _pose_files(root: Path, manifest: dict[str, Any]) -> dict[str, Path]:
         try:
             files = {str(entry["pose"]): root / str(entry["file"]) for entry in manifest["poses"]}
         except (KeyError, TypeError) as error:
-            raise InputError(f"{str(root / MANIFEST)!r} lacks 'poses' of 'pose' and 'file'; write it again") from error
+            raise InputError(
+                f"{str(root / MANIFEST)!r} lacks 'poses' of 'pose' and 'file'; write it again"
+            ) from error
     else:
         found = [file for file in root.iterdir() if file.suffix.lower() in MESH_SUFFIXES]
         found.sort(key=lambda file: _natural(file.name))
@@ -199,12 +214,11 @@ def _selected(poses: list[str] | tuple[str, ...], files: dict[str, Path], subjec
 def _check_shared(shapes: list[Shape], files: dict[str, Path]) -> None:
     rest = shapes[0]
     for shape in shapes[1:]:
+        file, first = str(files[shape.pose]), files[rest.pose].name
         if shape.vertices.shape != rest.vertices.shape or shape.faces.shape != rest.faces.shape:
             raise InputError(
-                f"{str(files[shape.pose])!r} has {len(shape.vertices)} vertices and {len(shape.faces)} faces, "
-                f"{files[rest.pose].name!r} has {len(rest.vertices)} and {len(rest.faces)}; poses must share them"
+                f"{file!r} has {len(shape.vertices)} vertices and {len(shape.faces)} faces, "
+                f"{first!r} has {len(rest.vertices)} and {len(rest.faces)}; poses must share them"
             )
         if not np.array_equal(shape.faces, rest.faces):
-            raise InputError(
-                f"{str(files[shape.pose])!r} has other faces than {files[rest.pose].name!r}; poses must share them"
-            )
+            raise InputError(f"{file!r} has other faces than {first!r}; poses must share them")

@@ -17,7 +17,7 @@ from datasets_gen.skeleton import Skeleton, ball, hinge
 Array = NDArray[np.float64]
 X, Y, Z = np.eye(3)
 
-EDGE, SPACING = 0.0145, 0.005
+EDGE, SPACING, STIFFNESS = 0.0132, 0.005, 0.065
 SIDES_DIFFER = {"arm.R": (0.88, 1.15), "hand.R": (1.05, 1.08), "leg.L": (1.0, 1.10), "foot.L": (1.06, 1.05)}
 
 ARM_DROP = np.radians(46)  # of the rest pose below the horizontal
@@ -26,7 +26,9 @@ PALM = np.array([-np.sin(ARM_DROP), -np.cos(ARM_DROP), 0.0])
 SHOULDER = np.array([0.178, 1.408, -0.022])
 ELBOW = SHOULDER + 0.285 * ARM + np.array([0, 0, -0.008])
 WRIST = SHOULDER + 0.535 * ARM + np.array([0, 0, 0.012])
-HIP, KNEE, ANKLE = np.array([0.096, 0.905, 0.0]), np.array([0.112, 0.49, 0.004]), np.array([0.126, 0.085, -0.028])
+HIP = np.array([0.096, 0.905, 0.0])
+KNEE = np.array([0.112, 0.49, 0.004])
+ANKLE = np.array([0.126, 0.085, -0.028])
 TOE_OUT = unit([0.13, 0, 1])
 BALL = ANKLE * [1, 0, 1] + 0.135 * TOE_OUT + [0, 0.02, 0]
 
@@ -72,12 +74,12 @@ def _torso() -> list[Part]:
     spine = "pelvis waist ribs chest"
     return [
         sweep(spine, (0, bottom, 0), (0, top, 0), rows, caps=(0.05, 0.02), blend=0.03, power=2.3),
-        sweep("neck", (0, 1.42, -0.042), (0, 1.60, -0.004), [(0, 0.060, 0.062), (0.5, 0.050, 0.054), (1, 0.051, 0.056)],
-              caps=(0.03, 0.03), blend=0.035),
+        sweep("neck", (0, 1.42, -0.042), (0, 1.60, -0.004),
+            [(0, 0.060, 0.062), (0.5, 0.050, 0.054), (1, 0.051, 0.056)], caps=(0.03, 0.03), blend=0.035),
         ellipsoid(spine, (0, 1.16, 0.118), (0.005, 0.10, 0.010), blend=0.035, carve=True),
         ellipsoid("waist", (0, 1.05, 0.108), (0.007, 0.009, 0.012), blend=0.012, carve=True),
-        sweep(spine, (0, 1.04, -0.086), (0, 1.37, -0.130), [(0, 0.008, 0.008), (1, 0.008, 0.008)], caps=(0.03, 0.03),
-              blend=0.045, carve=True),
+        sweep(spine, (0, 1.04, -0.086), (0, 1.37, -0.130), [(0, 0.008, 0.008), (1, 0.008, 0.008)],
+            caps=(0.03, 0.03), blend=0.045, carve=True),
     ]  # fmt: skip
 
 
@@ -86,15 +88,14 @@ def _head() -> list[Part]:
         ellipsoid("head", (0, 1.652, -0.012), (0.075, 0.097, 0.094), blend=0.03),
         ellipsoid("head", (0, 1.688, 0.034), (0.057, 0.046, 0.052), blend=0.03),
         sweep("head", (0, 1.675, 0.026), (0, 1.543, 0.044),
-              [(0, 0.064, 0.062), (0.45, 0.063, 0.058), (0.75, 0.055, 0.054, 0, 0.002), (1, 0.036, 0.040, 0, 0.008)],
-              caps=(0.03, 0.018), blend=0.025),
+            [(0, 0.064, 0.062), (0.45, 0.063, 0.058), (0.75, 0.055, 0.054, 0, 0.002),
+             (1, 0.036, 0.040, 0, 0.008)], caps=(0.03, 0.018), blend=0.025),
         ellipsoid("head", (0, 1.545, 0.080), (0.021, 0.016, 0.015), blend=0.025),
         ellipsoid("head", (0, 1.664, 0.079), (0.050, 0.010, 0.012), blend=0.02),
-        sweep("head", (0, 1.655, 0.088), (0, 1.610, 0.112), [(0, 0.009, 0.012), (0.6, 0.011, 0.013), (1, 0.013, 0.012)],
-              caps=(0.012, 0.010), blend=0.012),
+        sweep("head", (0, 1.655, 0.088), (0, 1.610, 0.112),
+            [(0, 0.009, 0.012), (0.6, 0.011, 0.013), (1, 0.013, 0.012)], caps=(0.012, 0.010), blend=0.012),
         ellipsoid("head", (0, 1.577, 0.092), (0.025, 0.011, 0.013), blend=0.014),
         ellipsoid("head", (0, 1.577, 0.111), (0.024, 0.0022, 0.008), blend=0.008, carve=True),
-        ellipsoid("head", (0, 1.663, -0.030), (0.083, 0.094, 0.095), blend=0.006),
     ]  # fmt: skip
 
 
@@ -104,17 +105,19 @@ def _face_side() -> list[Part]:
         ellipsoid("head", (0.031, 1.642, 0.080), (0.013, 0.0115, 0.013), blend=0.004),
         ellipsoid("head", (0.012, 1.609, 0.103), (0.008, 0.008, 0.010), blend=0.010),
         ellipsoid("head", (0.048, 1.618, 0.068), (0.018, 0.020, 0.020), blend=0.03),
-        ellipsoid("head", (0.079, 1.632, -0.008), (0.009, 0.032, 0.019), blend=0.010, axis=(0.15, 1, -0.12), front=(0.4, 0, 1)),
-        ellipsoid("head", (0.090, 1.636, 0.000), (0.006, 0.018, 0.010), blend=0.006, axis=(0.15, 1, -0.12), carve=True),
-    ]
+        ellipsoid("head", (0.079, 1.632, -0.008), (0.009, 0.032, 0.019), blend=0.010, axis=(0.15, 1, -0.12),
+            front=(0.4, 0, 1)),
+        ellipsoid("head", (0.090, 1.636, 0.000), (0.006, 0.018, 0.010), blend=0.006, axis=(0.15, 1, -0.12),
+            carve=True),
+    ]  # fmt: skip
 
 
 def _chest_side() -> list[Part]:
     return [
-        sweep("chest", (0.030, 1.485, -0.050), SHOULDER + [-0.025, 0.010, -0.005], [(0, 0.026, 0.030), (1, 0.036, 0.036)],
-              caps=(0.02, 0.03), blend=0.04),
-        sweep("chest", (0.02, 1.432, 0.030), SHOULDER + [-0.01, 0.025, 0.018], [(0, 0.010, 0.010), (1, 0.010, 0.010)],
-              caps=(0.01, 0.01), blend=0.03),
+        sweep("chest", (0.030, 1.485, -0.050), np.add(SHOULDER, (-0.025, 0.010, -0.005)),
+            [(0, 0.026, 0.030), (1, 0.036, 0.036)], caps=(0.02, 0.03), blend=0.04),
+        sweep("chest", (0.02, 1.432, 0.030), np.add(SHOULDER, (-0.01, 0.025, 0.018)),
+            [(0, 0.010, 0.010), (1, 0.010, 0.010)], caps=(0.01, 0.01), blend=0.03),
         ellipsoid("chest", (0.076, 1.312, 0.078), (0.075, 0.050, 0.029), blend=0.03, axis=(0.25, 1, -0.1)),
         ellipsoid("chest", (0.115, 1.26, -0.045), (0.048, 0.11, 0.058), blend=0.05),
         ellipsoid("chest", (0.085, 1.345, -0.098), (0.048, 0.062, 0.026), blend=0.035),
@@ -124,52 +127,64 @@ def _chest_side() -> list[Part]:
 
 def _arm() -> list[Part]:
     rows = [  # position, half thickness, half width to the front, shift to the palm side, shift to the front
-        (0.00, 0.050, 0.056, 0.000, 0.000), (0.14, 0.049, 0.054, -0.002, 0.001), (0.30, 0.043, 0.048, 0.002, 0.000),
-        (0.42, 0.040, 0.046, 0.002, -0.004), (0.53, 0.034, 0.040, 0.000, -0.008), (0.63, 0.039, 0.043, -0.002, -0.003),
-        (0.80, 0.031, 0.034, 0.000, 0.004), (0.94, 0.021, 0.028, 0.000, 0.010), (1.00, 0.020, 0.028, 0.000, 0.012),
+        (0.00, 0.050, 0.056, 0.000, 0.000), (0.14, 0.049, 0.054, -0.002, 0.001),
+        (0.30, 0.043, 0.048, 0.002, 0.000), (0.42, 0.040, 0.046, 0.002, -0.004),
+        (0.53, 0.034, 0.040, 0.000, -0.008), (0.63, 0.039, 0.043, -0.002, -0.003),
+        (0.80, 0.031, 0.034, 0.000, 0.004), (0.94, 0.021, 0.028, 0.000, 0.010),
+        (1.00, 0.020, 0.028, 0.000, 0.012),
     ]  # fmt: skip
     end = SHOULDER + 0.535 * ARM
     return [
         sweep("upper_arm.L forearm.L", SHOULDER, end, rows, caps=(0.045, 0.02), blend=0.035),
-        ellipsoid("upper_arm.L", SHOULDER + 0.05 * ARM - 0.012 * PALM, (0.042, 0.065, 0.050), blend=0.03, axis=ARM),
+        ellipsoid(
+            "upper_arm.L", SHOULDER + 0.05 * ARM - 0.012 * PALM, (0.042, 0.065, 0.050), blend=0.03, axis=ARM
+        ),
     ]
 
 
 def _hand() -> list[Part]:
     parts = [
         sweep("hand.L", WRIST, WRIST + 0.088 * ARM,
-              [(0, 0.019, 0.026), (0.35, 0.018, 0.034), (0.8, 0.015, 0.041), (1, 0.012, 0.041)],
-              caps=(0.02, 0.010), blend=0.015, power=2.4),
-        sweep("hand.L", WRIST + 0.018 * ARM + 0.020 * Z + 0.006 * PALM, WRIST + 0.098 * ARM + 0.070 * Z + 0.012 * PALM,
-              [(0, 0.016, 0.016), (0.55, 0.0105, 0.0115), (1, 0.0085, 0.0095)], caps=(0.015, 0.009), blend=0.018),
+            [(0, 0.019, 0.026), (0.35, 0.018, 0.034), (0.8, 0.015, 0.041), (1, 0.012, 0.041)],
+            caps=(0.02, 0.010), blend=0.015, power=2.4),
+        sweep("hand.L", WRIST + 0.018 * ARM + 0.020 * Z + 0.006 * PALM,
+            WRIST + 0.098 * ARM + 0.070 * Z + 0.012 * PALM,
+            [(0, 0.016, 0.016), (0.55, 0.0105, 0.0115), (1, 0.0085, 0.0095)], caps=(0.015, 0.009),
+            blend=0.018),
     ]  # fmt: skip
-    fingers = ((0.0325, 0.070, 0.13, 0.0088), (0.0110, 0.078, 0.03, 0.0090), (-0.0110, 0.072, -0.06, 0.0086), (-0.0315, 0.056, -0.16, 0.0076))
+    fingers = ((0.0325, 0.070, 0.13, 0.0088), (0.0110, 0.078, 0.03, 0.0090),
+        (-0.0110, 0.072, -0.06, 0.0086), (-0.0315, 0.056, -0.16, 0.0076))  # fmt: skip
     for across, length, fan, radius in fingers:
         knuckle = WRIST + 0.082 * ARM + across * Z
         tip = knuckle + (length + 0.008) * unit(ARM + fan * Z + 0.10 * PALM)
-        rows = [(0, radius, radius), (0.5, 0.95 * radius, 0.95 * radius, -0.002), (1, 0.8 * radius, 0.85 * radius)]
+        rows = [
+            (0, radius, radius),
+            (0.5, 0.95 * radius, 0.95 * radius, -0.002),
+            (1, 0.8 * radius, 0.85 * radius),
+        ]
         parts.append(sweep("hand.L", knuckle, tip, rows, caps=(0.008, 0.008), blend=0.008))
     return parts
 
 
 def _leg() -> list[Part]:
     rows = [  # height, half width, half depth, shift to the side, shift to the front
-        (0.86, 0.074, 0.088, -0.006, 0.000), (0.76, 0.077, 0.087, 0.000, 0.005), (0.64, 0.066, 0.076, 0.003, 0.008),
-        (0.54, 0.054, 0.061, 0.0, 0.004), (0.49, 0.051, 0.058, 0.0, 0.004), (0.44, 0.049, 0.056, 0.0, -0.003),
-        (0.36, 0.053, 0.060, 0.0, -0.013), (0.27, 0.044, 0.049, 0.0, -0.010), (0.18, 0.034, 0.037, 0.0, -0.006),
-        (0.10, 0.030, 0.037, 0.0, -0.002), (0.06, 0.030, 0.040, 0.0, 0.0),
+        (0.86, 0.074, 0.088, -0.006, 0.000), (0.76, 0.077, 0.087, 0.000, 0.005),
+        (0.64, 0.066, 0.076, 0.003, 0.008), (0.54, 0.054, 0.061, 0.0, 0.004),
+        (0.49, 0.051, 0.058, 0.0, 0.004), (0.44, 0.049, 0.056, 0.0, -0.003),
+        (0.36, 0.053, 0.060, 0.0, -0.013), (0.27, 0.044, 0.049, 0.0, -0.010),
+        (0.18, 0.034, 0.037, 0.0, -0.006), (0.10, 0.030, 0.037, 0.0, -0.002), (0.06, 0.030, 0.040, 0.0, 0.0),
     ]  # fmt: skip
     top, bottom = HIP + (ANKLE - HIP) * 0.055, ANKLE + (ANKLE - HIP) * 0.03
     span = top[1] - bottom[1]
     profile = [((top[1] - y) / span, w, d, side, z) for y, w, d, side, z in rows]
     return [
         sweep("thigh.L shin.L", top, bottom, profile, caps=(0.06, 0.02), blend=0.03),
-        ellipsoid("shin.L", KNEE + [0, 0.010, 0.047], (0.022, 0.028, 0.011), blend=0.02),
+        ellipsoid("shin.L", np.add(KNEE, (0, 0.010, 0.047)), (0.022, 0.028, 0.011), blend=0.02),
         ellipsoid("shin.L", (0.100, 0.37, -0.055), (0.026, 0.075, 0.026), blend=0.03),
         ellipsoid("shin.L", (0.138, 0.38, -0.052), (0.022, 0.065, 0.024), blend=0.03),
         ellipsoid("thigh.L", (0.098, 0.585, 0.045), (0.026, 0.055, 0.026), blend=0.03),
-        ellipsoid("shin.L", ANKLE + [0.030, -0.002, 0.0], (0.010, 0.013, 0.013), blend=0.012),
-        ellipsoid("shin.L", ANKLE + [-0.030, 0.006, 0.004], (0.010, 0.013, 0.013), blend=0.012),
+        ellipsoid("shin.L", np.add(ANKLE, (0.030, -0.002, 0.0)), (0.010, 0.013, 0.013), blend=0.012),
+        ellipsoid("shin.L", np.add(ANKLE, (-0.030, 0.006, 0.004)), (0.010, 0.013, 0.013), blend=0.012),
     ]
 
 
@@ -179,20 +194,28 @@ def _foot() -> list[Part]:
         (0.00, 0.029, 0.030, 0.0, 0.030), (0.22, 0.031, 0.036, 0.0, 0.036), (0.45, 0.034, 0.033, 0.0, 0.033),
         (0.75, 0.043, 0.021, 0.0, 0.021), (1.00, 0.044, 0.013, 0.0, 0.013),
     ]  # fmt: skip
-    parts = [sweep("foot.L", heel, heel + 0.185 * TOE_OUT, rows, caps=(0.026, 0.012), blend=0.02, front=Y, power=2.5)]
+    parts = [
+        sweep(
+            "foot.L", heel, heel + 0.185 * TOE_OUT, rows, caps=(0.026, 0.012), blend=0.02, front=Y, power=2.5
+        )
+    ]
     side = np.cross(Y, TOE_OUT)
-    toes = ((-0.030, 0.0140, 0.042), (-0.009, 0.0105, 0.036), (0.008, 0.0100, 0.030), (0.023, 0.0095, 0.023), (0.036, 0.0090, 0.014))
+    toes = ((-0.030, 0.0140, 0.042), (-0.009, 0.0105, 0.036), (0.008, 0.0100, 0.030),
+        (0.023, 0.0095, 0.023), (0.036, 0.0090, 0.014))  # fmt: skip
     for across, radius, length in toes:
         base = heel + 0.180 * TOE_OUT + across * side + radius * Y
-        rows = [(0, radius, radius), (1, 0.9 * radius, 0.85 * radius)]
-        parts.append(sweep("toes.L", base, base + length * TOE_OUT, rows, caps=(0.012, radius), blend=0.010, front=Y))
+        taper = [(0, radius, radius), (1, 0.9 * radius, 0.85 * radius)]
+        tip = base + length * TOE_OUT
+        parts.append(sweep("toes.L", base, tip, taper, caps=(0.012, radius), blend=0.010, front=Y))
     return parts
 
 
 def regions() -> dict[str, Region]:
     """Regions whose proportions vary."""
     middle = {
-        "torso": Region(None, HIP * [0, 1, 1], Y, ("pelvis", "waist", "ribs", "chest", "clavicle.L", "clavicle.R")),
+        "torso": Region(
+            None, HIP * [0, 1, 1], Y, ("pelvis", "waist", "ribs", "chest", "clavicle.L", "clavicle.R")
+        ),
         "head": Region("torso", np.array([0, 1.45, -0.03]), Y, ("neck", "head")),
     }
     left = {
@@ -206,11 +229,14 @@ def regions() -> dict[str, Region]:
 
 def plan(seed: int = 0) -> BodyPlan:
     """Body plan of the symmetric human; seeds other than 0 vary its proportions."""
-    details = [Detail("head", np.array([0, 1.60, 0.08]), 0.055, 0.0062), Detail("head", np.array([0, 1.64, 0.0]), 0.09, 0.0105)]
+    details = [
+        Detail("head", np.array([0, 1.60, 0.08]), 0.055, 0.0062),
+        Detail("head", np.array([0, 1.64, 0.0]), 0.09, 0.0105),
+    ]
     for side, flip in (("L", np.ones(3)), ("R", FLIP)):
         details.append(Detail(f"hand.{side}", (WRIST + 0.115 * ARM + 0.01 * Z) * flip, 0.075, 0.0062))
         details.append(Detail(f"toes.{side}", (BALL + 0.045 * TOE_OUT) * flip, 0.04, 0.0085))
-    default = BodyPlan("human", skeleton(), surface(), tuple(details), EDGE, SPACING, POSES, True)
+    default = BodyPlan("human", skeleton(), surface(), tuple(details), EDGE, SPACING, STIFFNESS, POSES, True)
     return proportioned(default, regions(), random_scales(regions(), seed))
 
 

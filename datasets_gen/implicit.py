@@ -12,6 +12,7 @@ from scipy.interpolate import PchipInterpolator
 Array = NDArray[np.float64]
 
 STATIONS = 65  # samples of a profile along its axis
+MARGIN = 0.02  # around a part's box, beyond its blend, in which it is evaluated (metres)
 INSIDE = -1.0  # distance given at the axis itself, where the direction to the surface is undefined
 
 
@@ -117,10 +118,11 @@ def ellipsoid(
     carve: bool = False,
 ) -> Part:
     """An ellipsoid with radii to the side, along `axis` and to the front."""
+    middle = np.asarray(center, dtype=np.float64)
     return Part(
-        bones=tuple(bones.split()), start=np.asarray(center, dtype=np.float64), axes=frame(axis, front), length=0.0,
-        profile=np.array([[0.0, radii[0], radii[2], 0, 0]]), caps=(radii[1], radii[1]), blend=blend, power=power,
-        carve=carve,
+        bones=tuple(bones.split()), start=middle, axes=frame(axis, front), length=0.0,
+        profile=np.array([[0.0, radii[0], radii[2], 0, 0]]), caps=(radii[1], radii[1]),
+        blend=blend, power=power, carve=carve,
     )  # fmt: skip
 
 
@@ -166,9 +168,14 @@ class Body:
     @cached_property
     def _packed(self) -> tuple[NDArray, ...]:
         """The parts as arrays, with boxes outside which they cannot touch the surface."""
-        boxes = np.stack([p.bounds() + [[-p.blend - 0.02], [p.blend + 0.02]] for p in self.parts])
-        numbers = np.array([(p.length, *p.caps, p.power, p.blend, p.carve) for p in self.parts], dtype=np.float64)
-        starts, axes, tables = (np.stack([getattr(p, n) for p in self.parts]) for n in ("start", "axes", "table"))
+        outward = np.array([[-1.0], [1.0]])
+        boxes = np.stack([part.bounds() + (part.blend + MARGIN) * outward for part in self.parts])
+        numbers = np.array(
+            [(p.length, *p.caps, p.power, p.blend, p.carve) for p in self.parts], dtype=np.float64
+        )
+        starts, axes, tables = (
+            np.stack([getattr(p, n) for p in self.parts]) for n in ("start", "axes", "table")
+        )
         return starts, axes, tables, numbers, boxes
 
 
@@ -221,7 +228,9 @@ def _part_distance(p: Array, start: Array, axes: Array, table: Array, numbers: A
 
 
 @njit(cache=True)
-def _distances(points: Array, starts: Array, axes: Array, tables: Array, numbers: Array, boxes: Array) -> Array:
+def _distances(
+    points: Array, starts: Array, axes: Array, tables: Array, numbers: Array, boxes: Array
+) -> Array:
     out = np.empty((len(starts), len(points)))
     for k in range(len(starts)):
         for i in range(len(points)):

@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -37,8 +38,15 @@ def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: s
         kinds = ", ".join(MESH_SUFFIXES)
         raise InputError(f"{str(path)!r} is not a mesh file this project reads; it reads {kinds}")
     if not file.is_file():
-        raise InputError(f"{str(path)!r} {'is a folder' if file.is_dir() else 'does not exist'}; give a mesh file")
-    options = {"maintain_order": True, "split_object": False, "group_material": False, "skip_materials": True}
+        raise InputError(
+            f"{str(path)!r} {'is a folder' if file.is_dir() else 'does not exist'}; give a mesh file"
+        )
+    options: dict[str, Any] = {
+        "maintain_order": True,
+        "split_object": False,
+        "group_material": False,
+        "skip_materials": True,
+    }
     try:
         mesh = trimesh.load(file, process=False, **(options if file.suffix.lower() == ".obj" else {}))
     except PermissionError as error:
@@ -71,7 +79,9 @@ def load_mesh(path: str | os.PathLike[str], *, repair: bool = False, units: str 
     InputError
         If the file or the mesh in it cannot be used (`datasets_gen.check_mesh`).
     """
-    return admitted([Shape.load(path) if Path(path).suffix == ".npz" else read_mesh(path, units=units)], repair)[0]
+    return admitted(
+        [Shape.load(path) if Path(path).suffix == ".npz" else read_mesh(path, units=units)], repair
+    )[0]
 
 
 def write_mesh(shape: Shape, path: str | os.PathLike[str]) -> None:

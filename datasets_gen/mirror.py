@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.shape import Shape
 
-SYMMETRIC = 4e-3  # accepted distance of a reflected point from the surface, 95th percentile, per bounding-box diagonal
+SYMMETRIC = 4e-3  # accepted distance of reflected points from the surface, per bounding-box diagonal
 REFINEMENTS = 20
 SAMPLES = 2000
 

@@ -117,7 +117,9 @@ def scaled_part(part: Part, by: Affine) -> Part:
     )
 
 
-def proportioned(plan: BodyPlan, regions: dict[str, Region], scales: dict[str, tuple[float, float]]) -> BodyPlan:
+def proportioned(
+    plan: BodyPlan, regions: dict[str, Region], scales: dict[str, tuple[float, float]]
+) -> BodyPlan:
     """A plan whose regions are scaled; parts, bones and details go with the region of their (first) bone.
 
     Parameters
@@ -130,7 +132,9 @@ def proportioned(plan: BodyPlan, regions: dict[str, Region], scales: dict[str, t
     """
     maps = region_maps(regions, scales)
     of_bone = {name: maps[region] for region, value in regions.items() for name in value.bones}
-    bones = [replace(b, head=of_bone[b.name](b.head), tail=of_bone[b.name](b.tail)) for b in plan.skeleton.bones]
+    bones = [
+        replace(b, head=of_bone[b.name](b.head), tail=of_bone[b.name](b.tail)) for b in plan.skeleton.bones
+    ]
     parts = [scaled_part(part, of_bone[part.bones[0]]) for part in plan.surface.parts]
     details = [replace(d, center=of_bone[d.bone](d.center)) for d in plan.details]
     return replace(plan, skeleton=Skeleton(tuple(bones)), surface=Body(tuple(parts)), details=tuple(details))

@@ -56,7 +56,7 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
 
 
 def _called(loader: Callable[..., Collection], name: str, options: dict[str, Any]) -> Collection:
-    known = [parameter for parameter in inspect.signature(loader).parameters][1:]
+    known = list(inspect.signature(loader).parameters)[1:]
     for option in options:
         if option not in known:
             raise InputError(f"dataset {name!r} has no option {option!r}; it has {', '.join(known)}")

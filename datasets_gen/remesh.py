@@ -16,6 +16,7 @@ from scipy.sparse import csr_array
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Sizing = Callable[[Array], Array]
+Projection = Callable[[Array, NDArray[np.bool_]], Array]
 
 LONG, SHORT = 4 / 3, 4 / 5  # of the wanted length, [BK04]
 MIN_TURN = 0.2  # smallest cosine by which an operation may turn a face
@@ -63,7 +64,7 @@ class Edges:
 
 
 def remesh(
-    vertices: Array, faces: Ints, sizing: Sizing, project: Callable[[Array, NDArray[np.bool_]], Array], rounds: int
+    vertices: Array, faces: Ints, sizing: Sizing, project: Projection, rounds: int
 ) -> tuple[Array, Ints]:
     """Remesh towards well-shaped triangles with edges of the wanted length.
 
@@ -130,8 +131,7 @@ def _split(vertices: Array, faces: Ints, sizing: Sizing) -> tuple[Array, Ints]:
     edges = Edges(faces)
     ratio = _ratio(vertices, edges.ends, sizing)
     chosen = np.flatnonzero(ratio > LONG)
-    rank = np.empty(len(chosen), dtype=np.int64)
-    rank[np.argsort(-ratio[chosen], kind="stable")] = np.arange(len(chosen))
+    rank = _ranks(-ratio[chosen])
     lowest = _first_over(edges.faces[chosen], rank, len(faces))
     pair = edges.faces[chosen]
     free = (lowest[pair[:, 0]] == rank) & ((pair[:, 1] < 0) | (lowest[pair[:, 1]] == rank))
@@ -153,43 +153,53 @@ def _split(vertices: Array, faces: Ints, sizing: Sizing) -> tuple[Array, Ints]:
 
 def _collapse(vertices: Array, faces: Ints, sizing: Sizing) -> tuple[Array, Ints, int]:
     edges = Edges(faces)
-    ratio = _ratio(vertices, edges.ends, sizing)
     rim = edges.boundary_vertices(len(vertices))
-    on_rim = rim[edges.ends]
-    chosen = np.flatnonzero((ratio < SHORT) & ~(on_rim.all(axis=1) & ~edges.boundary))
-    chosen = chosen[_link_condition(edges, chosen, len(vertices))]
-    rank = np.empty(len(chosen), dtype=np.int64)
-    rank[np.argsort(ratio[chosen], kind="stable")] = np.arange(len(chosen))
-    lowest = _first_over(edges.ends[chosen], rank, len(vertices))
-    of_face = lowest[faces].min(axis=1)  # two rings around an edge belong to the shortest one in them
-    wide = np.full(len(vertices), np.iinfo(np.int64).max)
-    for k in range(3):
-        np.minimum.at(wide, faces[:, k], of_face)
-    chosen = chosen[(wide[edges.ends[chosen]] == rank[:, None]).all(axis=1)]
+    chosen = _independent_short_edges(vertices, faces, edges, rim, sizing)
     keep, drop = edges.ends[chosen].T
     swap = rim[drop] & ~rim[keep]
     keep, drop = np.where(swap, drop, keep), np.where(swap, keep, drop)
-    target = np.where((rim[keep] & ~rim[drop])[:, None], vertices[keep], (vertices[keep] + vertices[drop]) / 2)
-    edge_of = np.full(len(vertices), -1)
-    edge_of[keep] = edge_of[drop] = np.arange(len(chosen))
+    middle = (vertices[keep] + vertices[drop]) / 2
+    target = np.where((rim[keep] & ~rim[drop])[:, None], vertices[keep], middle)
     moved = vertices.copy()
     moved[keep] = moved[drop] = target
-    touching = edge_of[faces].max(axis=1)
-    lost = np.zeros(len(faces), dtype=bool)
-    sides = edges.faces[chosen].ravel()
-    lost[sides[sides >= 0]] = True
+    edge_of = np.full(len(vertices), -1)
+    edge_of[keep] = edge_of[drop] = np.arange(len(chosen))
+    touching = edge_of[faces].max(axis=1)  # at most one chosen edge touches a face
+    lost = (edge_of[faces] >= 0).sum(axis=1) == 2
     ring = np.flatnonzero((touching >= 0) & ~lost)
     turned = _turned(face_normals(vertices, faces[ring]), face_normals(moved, faces[ring]))
     good = np.ones(len(chosen), dtype=bool)
     good[touching[ring[turned]]] = False
     rename = np.arange(len(vertices))
     rename[drop[good]] = keep[good]
-    vertices = vertices.copy()
-    vertices[keep[good]] = target[good]
-    sides = edges.faces[chosen[good]].ravel()
-    remaining = np.ones(len(faces), dtype=bool)
-    remaining[sides[sides >= 0]] = False
-    return (*compact(vertices, rename[faces[remaining]]), int(good.sum()))
+    result = vertices.copy()
+    result[keep[good]] = target[good]
+    remaining = ~(lost & good[touching])
+    return (*compact(result, rename[faces[remaining]]), int(good.sum()))
+
+
+def _independent_short_edges(
+    vertices: Array, faces: Ints, edges: Edges, rim: NDArray[np.bool_], sizing: Sizing
+) -> Ints:
+    """Edges to collapse: short, without harm to the topology, and with no face touching two of them."""
+    ratio = _ratio(vertices, edges.ends, sizing)
+    crosses = rim[edges.ends].all(axis=1) & ~edges.boundary
+    chosen = np.flatnonzero((ratio < SHORT) & ~crosses)
+    chosen = chosen[_link_condition(edges, chosen, len(vertices))]
+    rank = _ranks(ratio[chosen])
+    lowest = _first_over(edges.ends[chosen], rank, len(vertices))
+    of_face = lowest[faces].min(axis=1)
+    within = np.full(len(vertices), np.iinfo(np.int64).max)  # lowest rank at a vertex and its neighbours
+    for k in range(3):
+        np.minimum.at(within, faces[:, k], of_face)
+    return chosen[(within[edges.ends[chosen]] == rank[:, None]).all(axis=1)]
+
+
+def _ranks(values: Array) -> Ints:
+    """Position of each value in ascending order, ties in the order given."""
+    rank = np.empty(len(values), dtype=np.int64)
+    rank[np.argsort(values, kind="stable")] = np.arange(len(values))
+    return rank
 
 
 def _link_condition(edges: Edges, chosen: Ints, count: int) -> NDArray[np.bool_]:
@@ -211,13 +221,12 @@ def _flip(vertices: Array, faces: Ints) -> Ints:
     after = (excess[u] - 1) ** 2 + (excess[v] - 1) ** 2 + (excess[c] + 1) ** 2 + (excess[d] + 1) ** 2
     gain = before - after
     exists = _are_joined(edges, c, d, len(vertices)) | (c == d)
-    old = face_normals(vertices, faces[edges.faces[inner, 0]]) + face_normals(vertices, faces[edges.faces[inner, 1]])
+    old = face_normals(vertices, faces)[edges.faces[inner]].sum(axis=1)
     # faces[:, 0] of an edge holds it as (u, v): new faces (c, u, d) and (c, d, v)
     first, second = np.stack([c, u, d], axis=1), np.stack([c, d, v], axis=1)
     bad = exists | _flat(old, vertices, first) | _flat(old, vertices, second)
     chosen = np.flatnonzero((gain > 0) & ~bad)
-    rank = np.empty(len(chosen), dtype=np.int64)
-    rank[np.argsort(-gain[chosen], kind="stable")] = np.arange(len(chosen))
+    rank = _ranks(-gain[chosen])
     corners = np.stack([u, v, c, d], axis=1)[chosen]
     lowest = _first_over(corners, rank, len(vertices))
     chosen = chosen[(lowest[corners] == rank[:, None]).all(axis=1)]
@@ -230,7 +239,8 @@ def _flip(vertices: Array, faces: Ints) -> Ints:
 def _flat(old: Array, vertices: Array, faces: Ints) -> NDArray[np.bool_]:
     """Which new faces turn away from the old normal or are slivers."""
     new = face_normals(vertices, faces)
-    longest = np.max([np.sum((vertices[faces[:, k]] - vertices[faces[:, k - 1]]) ** 2, axis=1) for k in range(3)], axis=0)
+    sides = vertices[faces] - np.roll(vertices[faces], 1, axis=1)
+    longest = np.sum(sides**2, axis=2).max(axis=1)
     return _turned(old, new) | (np.linalg.norm(new, axis=1) < 0.2 * longest)
 
 
@@ -239,9 +249,7 @@ def _are_joined(edges: Edges, a: Ints, b: Ints, count: int) -> NDArray[np.bool_]
     return np.isin(np.minimum(a, b) * count + np.maximum(a, b), keys)
 
 
-def _smooth(
-    vertices: Array, faces: Ints, sizing: Sizing, project: Callable[[Array, NDArray[np.bool_]], Array]
-) -> Array:
+def _smooth(vertices: Array, faces: Ints, sizing: Sizing, project: Projection) -> Array:
     """Move vertices within the surface towards the centroid of their faces, weighted by area / size^2."""
     edges = Edges(faces)
     count = len(vertices)
@@ -257,8 +265,7 @@ def _smooth(
     centroid /= total[:, None]
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     ends = edges.ends[edges.boundary]
-    for a, b in (ends.T, ends[:, ::-1].T):  # on the rim: the mean of the two neighbours there
-        centroid[a] = 0
+    centroid[rim] = 0  # on the rim: the mean of the two neighbours there
     for a, b in (ends.T, ends[:, ::-1].T):
         np.add.at(centroid, a, vertices[b] / 2)
     normal[rim, 0] = 0

@@ -38,12 +38,13 @@ def bone_of(points: Array, body: Body, skeleton: Skeleton) -> Ints:
 
 
 def diffused_weights(
-    vertices: Array, faces: Ints, owner: Ints, skeleton: Skeleton, sharpness: float = 1.0
+    vertices: Array, faces: Ints, owner: Ints, skeleton: Skeleton, stiffness: float
 ) -> Array:
     """Weights in equilibrium between heat from each vertex's own bone and diffusion along the skin [BP07].
 
     Solves (L + M H) w = M H p with the cotangent Laplacian L, masses M, p the indicator of the owner and
-    H = sharpness / d^2 with d the distance from the bone.
+    H = 1 / d^2 with d the distance from the bone, at most `stiffness`: without this bound the thick trunk
+    would follow the limbs.
 
     Returns
     -------
@@ -55,7 +56,7 @@ def diffused_weights(
     for i, part in enumerate(skeleton.bones):
         mine = owner == i
         near[mine] = segment_distance(vertices[mine], part.head, part.tail)
-    heat = mass.diagonal() * sharpness / np.maximum(near, 1e-3) ** 2
+    heat = mass.diagonal() / np.clip(near, 1e-3, stiffness) ** 2
     indicator = np.zeros((len(vertices), len(skeleton.bones)))
     indicator[np.arange(len(vertices)), owner] = 1
     solver = splu((laplacian + diags_array(heat)).tocsc())
@@ -119,9 +120,11 @@ class DeltaMush:
     def of_rest(cls, vertices: Array, faces: Ints, steps: int) -> "DeltaMush":
         """Learn the details of the rest pose."""
         count = len(vertices)
-        rows, columns = np.concatenate([Edges(faces).ends, Edges(faces).ends[:, ::-1]]).T
+        ends = Edges(faces).ends
+        rows, columns = np.concatenate([ends, ends[:, ::-1]]).T
         graph = csr_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-        smoother = csr_array(0.5 * diags_array(np.ones(count)) + 0.5 * diags_array(1 / graph.sum(axis=1)) @ graph)
+        mean = diags_array(1 / graph.sum(axis=1)) @ graph
+        smoother = csr_array(0.5 * (diags_array(np.ones(count)) + mean))
         empty = cls(faces, smoother, steps, np.zeros((count, 3)))
         smooth = empty._smoothed(vertices)
         details = np.einsum("nij,nj->ni", empty._frames(smooth), vertices - smooth)
