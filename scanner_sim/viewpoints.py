@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from datasets_gen.records import InputError
 
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from scanner_sim.config import Views
 
 MOST_VIEWS = 1000
+MOST_RELAXED = 64
+"""Larger sets stay spherical Fibonacci points, which are as even."""
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
@@ -94,16 +97,24 @@ def _sphere_points(count: int) -> tuple[tuple[float, float, float], ...]:
     y = 1 - (2 * index + 1) / count
     radius = np.sqrt(1 - y**2)
     points = np.stack([radius * np.cos(golden * index), y, radius * np.sin(golden * index)], axis=1)
-    if 1 < count <= 64:
-        for iteration in range(300):
-            gap = points[:, None] - points[None]
-            distance = np.linalg.norm(gap, axis=2) + np.eye(count)
-            force = (gap / distance[..., None] ** 3).sum(axis=1)
-            force -= (force * points).sum(axis=1, keepdims=True) * points
-            points = points + (0.98**iteration) * 0.5 / count * force
-            points /= np.linalg.norm(points, axis=1, keepdims=True)
+    if 1 < count <= MOST_RELAXED:
+        points = minimize(_repulsion, points.ravel(), jac=True, method="L-BFGS-B").x.reshape(-1, 3)
+        points /= np.linalg.norm(points, axis=1, keepdims=True)
     points = points @ _turning(points[0])
     return tuple((float(a), float(b), float(c)) for a, b, c in points)
+
+
+def _repulsion(flat: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    """Coulomb energy of equal charges at the directions of n vectors, and its gradient, (3 n,)."""
+    vectors = flat.reshape(-1, 3)
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    points = vectors / length
+    gap = points[:, None] - points[None]
+    distance = np.linalg.norm(gap, axis=2)
+    np.fill_diagonal(distance, np.inf)
+    slope = -(gap / distance[..., None] ** 3).sum(axis=1)
+    slope -= (slope * points).sum(axis=1, keepdims=True) * points
+    return float((1 / distance).sum() / 2), (slope / length).ravel()
 
 
 def _turning(direction: NDArray[np.float64]) -> NDArray[np.float64]:
