@@ -3,7 +3,7 @@
 import logging
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import IO, TYPE_CHECKING, Any
 
@@ -12,6 +12,9 @@ import click
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
+
+WIDE = 132
+"""Characters per line of tables where the output is no terminal."""
 
 PLAIN_EVERY = 15.0
 """Seconds between progress lines where the output is no terminal."""
@@ -77,7 +80,15 @@ def output() -> "Console":
     """Console for results."""
     from rich.console import Console
 
-    return Console(highlight=False, soft_wrap=False)
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=WIDE)
+
+
+def show(lines: Iterable[str]) -> None:
+    """Print lines with rich's markup, unbroken."""
+    console = output()
+    for line in lines:
+        console.print(line, soft_wrap=True)
 
 
 def remarks() -> "Console":

@@ -8,7 +8,7 @@ from datasets_gen.records import atomic_path
 from evaluation.store import ResultsStore
 from reports import tables
 from reports.html.render import PageData, render_page
-from reports.sections import Picture, jobs, pair_groups
+from reports.sections import Drawing, drawn, figure_jobs, pair_groups
 
 PAIRS = 24
 """Pairs drawn by default; a sweep may have thousands."""
@@ -21,6 +21,7 @@ def build(
     out: str | os.PathLike[str] | None = None,
     *,
     pairs: int | None = PAIRS,
+    jobs: int = 1,
     progress: Progress | None = None,
 ) -> Path:
     """Write tables (md, tex, csv), figures (pdf, png) and ``index.html`` of a run.
@@ -33,8 +34,11 @@ def build(
         Folder of the report, by default ``report`` in the results folder; files there are replaced.
     pairs
         Largest number of pairs of scans to draw, spread evenly over data sets and regimes; None for all.
+    jobs
+        Processes that draw. With more than one, a script that calls this needs the usual
+        ``if __name__ == "__main__":``, as they are started afresh.
     progress
-        Called with what comes next, the number of finished figures and of all figures.
+        Called after each figure: what it shows, the number of finished figures and of all.
 
     Returns
     -------
@@ -58,18 +62,17 @@ def build(
         failures=store.failures(),
     )
     _write_tables(data, folder / "tables")
-    todo = jobs(store, table, folder / "figures", pairs)
-    for done, job in enumerate(todo):
+    figures = folder / "figures"
+    todo = figure_jobs(store, table, figures, pairs)
+    for done, (job, picture) in enumerate(drawn(todo, Drawing(store.folder, figures, pairs), jobs)):
+        data.pictures.setdefault(job.section, []).append(picture)
         if progress:
-            progress(job.label, done, len(todo))
-        data.pictures.setdefault(job.section, []).append(job.draw())
-    drawn = len(data.pictures.get("pairs", []))
-    data.pairs_left_out = len(pair_groups(table[table["kind"] == "matching"])) - drawn
+            progress(job.label, done + 1, len(todo))
+    shown = len(data.pictures.get("pairs", []))
+    data.pairs_left_out = len(pair_groups(table[table["kind"] == "matching"])) - shown
     index = folder / "index.html"
     with atomic_path(index) as temporary:
         temporary.write_text(render_page(data), encoding="utf-8")
-    if progress:
-        progress("done", len(todo), len(todo))
     return index
 
 
@@ -82,6 +85,3 @@ def _write_tables(data: PageData, folder: Path) -> None:
             tables.write(table, columns, group, folder, name)
     with atomic_path(folder / "scores.csv") as temporary:
         data.table.to_csv(temporary, index=False)
-
-
-__all__ = ["PAIRS", "Picture", "build"]

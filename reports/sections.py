@@ -1,12 +1,15 @@
 """Which figures a report has: one job each, made from the results table alone; drawn when called."""
 
-from collections.abc import Callable
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from evaluation.metrics import CURVE
 from evaluation.store import ResultsStore
@@ -17,17 +20,32 @@ from reports.figures.scans import ScanView, scans
 from reports.figures.stability import stability
 from reports.figures.style import save
 
+FEW = 8
+"""Figures that are drawn without starting processes, which takes some seconds."""
+
 POSES, THRESHOLDS = 3, 6
 """Rows and columns of the picture of scans."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure on the page: file name without suffix, head, caption, and what readers may filter by."""
+    """A figure on the page.
+
+    Attributes
+    ----------
+    name : str
+        File name without suffix.
+    title, caption : str
+    width : float
+        Inches.
+    group : str
+        What readers may filter by; empty if alone.
+    """
 
     name: str
     title: str
-    caption: str = ""
+    caption: str
+    width: float
     group: str = ""
 
 
@@ -40,7 +58,44 @@ class Job:
     draw: Callable[[], Picture]
 
 
-def jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: int | None) -> list[Job]:
+@dataclass(frozen=True)
+class Drawing:
+    """What a process needs to find the same jobs again: see `figure_jobs`."""
+
+    results: Path
+    folder: Path
+    pairs: int | None
+
+
+def drawn(todo: Sequence[Job], drawing: Drawing, processes: int) -> Iterator[tuple[Job, Picture]]:
+    """Draw figures, in the order of the jobs, with several processes where that pays."""
+    if processes < 2 or len(todo) < FEW:
+        yield from ((job, job.draw()) for job in todo)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(processes, context, _prepare, (drawing,)) as pool:
+        try:
+            yield from zip(todo, pool.map(_draw, range(len(todo))), strict=True)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+_todo: list[Job] = []  # of a drawing process
+
+
+def _prepare(drawing: Drawing) -> None:
+    from reports.tables import plain
+
+    store = ResultsStore(drawing.results)
+    _todo[:] = figure_jobs(store, plain(store.table()), drawing.folder, drawing.pairs)
+
+
+def _draw(number: int) -> Picture:
+    return _todo[number].draw()
+
+
+def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: int | None) -> list[Job]:
     """Figures of a report, in the order of the page.
 
     Parameters
@@ -56,7 +111,8 @@ def jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: int | No
     found = []
     if not maps.empty:
         found.append(Job("missing", "error against missing surface", partial(_missing, maps, folder)))
-        found.append(Job("pck", "PCK curves", partial(_pck, store, maps, folder)))
+        for dataset, rows in maps.groupby("dataset", sort=False):
+            found.append(Job("pck", f"PCK of {dataset}", partial(_pck, store, str(dataset), rows, folder)))
     for dataset, rows in stable[stable["source_threshold"].notna()].groupby("dataset", sort=False):
         found.append(
             Job("stability", f"Eq. 18 of {dataset}", partial(_stability, str(dataset), rows, folder))
@@ -117,29 +173,24 @@ def spread(values: list[float], count: int) -> list[float]:
 
 
 def _missing(maps: pd.DataFrame, folder: Path) -> Picture:
-    save(error_against_missing(maps), folder, "error-missing")
-    return Picture(
-        "error-missing",
-        "Error against missing surface",
-        "One dot per map; lines join the medians of groups of equal size.",
+    about = "One dot per map; lines join the medians of groups of equal size."
+    return _saved(
+        error_against_missing(maps), folder, "error-missing", "Error against missing surface", about
     )
 
 
-def _pck(store: ResultsStore, maps: pd.DataFrame, folder: Path) -> Picture:
+def _pck(store: ResultsStore, dataset: str, maps: pd.DataFrame, folder: Path) -> Picture:
     curves: dict[str, dict[str, np.ndarray]] = {}
-    for (dataset, regime, method), rows in maps.groupby(["dataset", "regime", "method"], sort=False):
+    for (regime, method), rows in maps.groupby(["regime", "method"], sort=False):
         stack = [store.score(str(key))["curve"] for key in rows["score_key"]]
-        curves.setdefault(f"{dataset}, {regime}", {})[str(method)] = np.mean(stack, axis=0)
-    save(pck(curves, 100 * CURVE), folder, "pck")
-    return Picture("pck", "PCK curves", "Share of points whose match lies within a radius, mean over maps.")
+        curves.setdefault(str(regime), {})[str(method)] = np.mean(stack, axis=0)
+    about = "Share of points whose match lies within a radius, mean over maps."
+    return _saved(pck(curves, 100 * CURVE), folder, f"pck-{_file_name(dataset)}", f"PCK, {dataset}", about)
 
 
 def _stability(dataset: str, rows: pd.DataFrame, folder: Path) -> Picture:
-    name = f"stability-{_file_name(dataset)}"
-    save(stability(rows), folder, name)
-    return Picture(
-        name, dataset, "A line per pose; dashed and on the right axis, the missing surface.", dataset
-    )
+    about = "A line per pose; dashed and on the right axis, the missing surface."
+    return _saved(stability(rows), folder, f"stability-{_file_name(dataset)}", dataset, about)
 
 
 def _scans(store: ResultsStore, dataset: str, views: pd.DataFrame, folder: Path) -> Picture:
@@ -156,18 +207,22 @@ def _scans(store: ResultsStore, dataset: str, views: pd.DataFrame, folder: Path)
                 about = f"{100 * view['missing']:.0f} % missing"
                 row.append(ScanView(scan.points, scan.normals, f"τ = {threshold:g}", about))
         rows.append((str(pose), row))
-    name = f"scans-{_file_name(dataset)}"
-    save(scans(rows, up), folder, name)
     what = f"{views['views'].iloc[0]} views; what shows through a hole is the inside, in grey."
-    return Picture(name, dataset, what, dataset)
+    return _saved(scans(rows, up), folder, f"scans-{_file_name(dataset)}", dataset, what)
 
 
 def _pair(maker: PairMaker, rows: pd.DataFrame, name: str, folder: Path) -> Picture:
     first = rows.iloc[0]
-    save(correspondence(maker.make(rows)), folder, name)
+    figure = correspondence(maker.make(rows))
     title = f"{first['dataset']}: {first['source_pose']} → {first['target_pose']}"
     seed = f", seed {first['seed']}" if int(first["seed"]) else ""
-    return Picture(name, title, f"{first['regime']}{seed}", f"{first['dataset']}, {first['regime']}")
+    group = f"{first['dataset']}, {first['regime']}"
+    return _saved(figure, folder, name, title, f"{first['regime']}{seed}.", group)
+
+
+def _saved(figure: Figure, folder: Path, name: str, title: str, caption: str, group: str = "") -> Picture:
+    save(figure, folder, name)
+    return Picture(name, title, caption, float(figure.get_figwidth()), group)
 
 
 def _file_name(text: str) -> str:

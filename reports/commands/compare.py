@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from reports.console import Command, Failure, output
+from reports.console import Command, Failure, output, show
 
 MEASURES = ("geodesic_mean", "geodesic_median", "geodesic_symmetric_mean", "medial_mean")
 
@@ -26,7 +26,7 @@ def compare(folder: Path, measure: str, quiet: bool) -> None:
     from evaluation.store import ResultsStore
     from reports.statistics import paired_tests
     from reports.tables import leaderboard, plain
-    from reports.terminal import leaderboard_table, tests_table
+    from reports.terminal import leaderboard_lines, tests_lines
 
     table = plain(ResultsStore(folder).table())
     board = leaderboard(table)
@@ -34,7 +34,8 @@ def compare(folder: Path, measure: str, quiet: bool) -> None:
         raise Failure(
             f"{str(folder)!r} holds no correspondences to compare; run an experiment with [matching]"
         )
-    output().print(leaderboard_table(board))
+    show(leaderboard_lines(board, output().width))
     tests = paired_tests(table, measure)
     if len(tests):
-        output().print(tests_table(tests, measure))
+        output().print()
+        show(tests_lines(tests, measure))

@@ -1,5 +1,6 @@
 """``medialbench report``: tables, figures and the page of a results folder."""
 
+import os
 from pathlib import Path
 
 import click
@@ -26,13 +27,18 @@ class Count(click.ParamType):
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), help="Folder to write to.  [default: DIR/report]"
 )
+@click.option(
+    "-j", "--jobs", type=click.IntRange(min=1), help="Processes that draw.  [default: number of processors]"
+)
 @click.option("--pairs", type=Count(), default="24", show_default=True, help="Pairs of scans to draw.")
-def report(folder: Path, out: Path | None, pairs: int | None, quiet: bool) -> None:
+def report(folder: Path, out: Path | None, pairs: int | None, jobs: int | None, quiet: bool) -> None:
     """Write tables (md, tex, csv), figures (pdf, png) and index.html of the results in DIR."""
-    output().print(str(write_report(folder, out, pairs, quiet)), markup=False, soft_wrap=True)
+    output().print(str(write_report(folder, out, pairs, quiet, jobs)), markup=False, soft_wrap=True)
 
 
-def write_report(folder: Path, out: Path | None, pairs: int | None, quiet: bool) -> Path:
+def write_report(
+    folder: Path, out: Path | None, pairs: int | None, quiet: bool, jobs: int | None = None
+) -> Path:
     """Build the report behind a progress bar; returns the path of its page."""
     from reports.commands.paths import check_output_folder
 
@@ -45,4 +51,9 @@ def write_report(folder: Path, out: Path | None, pairs: int | None, quiet: bool)
             bar.describe(f"report: {label}")
             bar.move(done)
 
-        return build(folder, out, pairs=pairs, progress=show)
+        return build(folder, out, pairs=pairs, jobs=jobs or processors(), progress=show)
+
+
+def processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

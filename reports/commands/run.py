@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.console import PLAIN_EVERY, Command, Failure, Interrupted, clock, note, output, remarks
+from reports.console import PLAIN_EVERY, Command, Failure, Interrupted, clock, note, output, remarks, show
 
 if TYPE_CHECKING:
     from evaluation import Experiment, ResultsStore
@@ -60,7 +60,7 @@ def run(
         _preview(settings, folder)
         return
     store = _sweep(settings, folder, quiet, jobs=jobs, scheduler=scheduler, force=force)
-    _finish(store, with_report, quiet)
+    _finish(store, with_report, quiet, jobs)
 
 
 def load_experiment(name: str, datasets: tuple[str, ...]) -> "Experiment":
@@ -150,19 +150,19 @@ def _preview(settings: "Experiment", folder: Path) -> None:
         say("nothing to run: every result of this experiment is stored")
 
 
-def _finish(store: "ResultsStore", with_report: bool, quiet: bool) -> None:
+def _finish(store: "ResultsStore", with_report: bool, quiet: bool, jobs: int | None) -> None:
     """Leaderboard, report, and a failure that counts the failures."""
     from reports.commands.report import write_report
     from reports.page import PAIRS
     from reports.tables import leaderboard, plain
 
     table = plain(store.table())
-    page = write_report(store.folder, None, PAIRS, quiet) if with_report and len(table) else None
+    page = write_report(store.folder, None, PAIRS, quiet, jobs) if with_report and len(table) else None
     board = leaderboard(table)
     if len(board) and not quiet:
-        from reports.terminal import leaderboard_table
+        from reports.terminal import leaderboard_lines
 
-        output().print(leaderboard_table(board))
+        show(leaderboard_lines(board, output().width))
     if page is not None:
         note(quiet, "report:")
         output().print(str(page), markup=False, soft_wrap=True)

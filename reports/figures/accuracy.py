@@ -21,9 +21,9 @@ def pck(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: NDArray[
     radii : (r,)
         Geodesic error x100 / sqrt(area).
     """
-    columns = min(3, len(curves))
+    columns = min(4, len(curves))
     rows = -(-len(curves) // columns)
-    figure, grid = new_figure(rows, columns, 3.1 * columns + 0.3, 2.5 * rows + 0.5, sharex=True, sharey=True)
+    figure, grid = new_figure(rows, columns, 2.45 * columns + 0.6, 2.2 * rows + 0.5, sharex=True, sharey=True)
     methods = order_methods(name for group in curves.values() for name in group)
     colors = method_colors(methods)
     for axes, (group, lines) in zip(grid.flat, curves.items(), strict=False):
@@ -33,12 +33,13 @@ def pck(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: NDArray[
         axes.set_title(group)
         axes.set_ylim(0, 100)
         axes.set_xlim(0, radii[-1])
-    for axes in list(grid.flat)[len(curves) :]:
-        axes.set_visible(False)
+    for number, axes in enumerate(grid.flat):
+        axes.set_visible(number < len(curves))
+        if number + columns >= len(curves):
+            axes.set_xlabel("error × 100 / √area")
+            axes.tick_params(labelbottom=True)
     for row in grid:
         row[0].set_ylabel("points matched within, %")
-    for axes in grid[-1]:
-        axes.set_xlabel("geodesic error × 100 / √area")
     handles = {line.get_label(): line for axes in grid.flat for line in axes.get_lines()}
     figure.legend(
         [handles[m] for m in methods], methods, loc="outside lower center", ncols=min(len(methods), 6)
@@ -59,19 +60,24 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
     datasets = list(dict.fromkeys(table["dataset"]))
     methods = order_methods(table["method"])
     colors = method_colors(methods)
-    figure, grid = new_figure(1, len(datasets), 3.3 * len(datasets) + 0.6, 2.9, sharey=True, sharex=True)
-    for axes, dataset in zip(grid[0], datasets, strict=True):
+    columns = min(3, len(datasets))
+    rows = -(-len(datasets) // columns)
+    figure, grid = new_figure(rows, columns, 3.3 * columns + 0.6, 2.5 * rows + 0.6, sharey=True, sharex=True)
+    for axes in list(grid.flat)[len(datasets) :]:
+        axes.set_visible(False)
+    for axes, dataset in zip(grid.flat, datasets, strict=False):
         for name in methods:
             part = table[(table["dataset"] == dataset) & (table["method"] == name)]
             missing = 50 * (part["source_missing"] + part["target_missing"]).to_numpy()
             error = part["geodesic_mean"].to_numpy()
-            axes.plot(missing, error, ".", color=colors[name], alpha=0.45, markersize=5, mew=0)
+            axes.plot(missing, error, ".", color=colors[name], alpha=0.5, markersize=8, mew=0)
             axes.plot(*_medians(missing, error), color=colors[name], label=name)
         axes.set_title(dataset)
         axes.set_xlabel("missing surface, mean of both scans, %")
-        axes.set_ylim(bottom=0)
-        axes.set_xlim(left=0)
-    grid[0][0].set_ylabel("mean geodesic error × 100 / √area")
+    grid[0][0].set_ylim(bottom=0)
+    grid[0][0].set_xlim(left=0)
+    for row in grid:
+        row[0].set_ylabel("mean error × 100 / √area")
     handles, labels = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6))
     return figure

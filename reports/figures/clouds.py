@@ -18,7 +18,10 @@ ERROR_COLORS = LinearSegmentedColormap.from_list(
 
 
 def position_colors(positions: ArrayLike, low: ArrayLike, high: ArrayLike) -> NDArray[np.float64]:
-    """Colour of a place: its coordinates in a box become red, green and blue, kept bright enough to shade.
+    """Colour of a place: its coordinates become red, green and blue, kept bright enough to shade.
+
+    Half of a colour is the position in a box, half its rank among all positions: ranks tell apart what
+    is close together, such as the legs of a body with its arms stretched out.
 
     Parameters
     ----------
@@ -32,8 +35,10 @@ def position_colors(positions: ArrayLike, low: ArrayLike, high: ArrayLike) -> ND
     """
     box_low, box_high = np.asarray(low, float), np.asarray(high, float)
     extent = np.maximum(box_high - box_low, 0.35 * (box_high - box_low).max() + 1e-300)
-    inside = 0.5 + (np.asarray(positions, float) - 0.5 * (box_low + box_high)) / extent
-    return 0.2 + 0.78 * np.clip(inside, 0, 1)
+    places = np.asarray(positions, float)
+    inside = 0.5 + (places - 0.5 * (box_low + box_high)) / extent
+    rank = np.argsort(np.argsort(places, axis=0, kind="stable"), axis=0) / max(len(places) - 1, 1)
+    return 0.18 + 0.8 * (0.5 * np.clip(inside, 0, 1) + 0.5 * rank)
 
 
 def error_colors(errors: ArrayLike) -> NDArray[np.float64]:
@@ -55,8 +60,17 @@ def place_cloud(
     axes.set_ylim(camera.height, 0)
 
 
-def mark_landmarks(axes: Axes, points: NDArray[np.float64], camera: Camera) -> None:
-    """Number points of a cloud that `place_cloud` has drawn; equal numbers on both sides are one landmark."""
+def mark_landmarks(
+    axes: Axes, points: NDArray[np.float64], normals: NDArray[np.float64], camera: Camera
+) -> None:
+    """Number points of a cloud that `place_cloud` has drawn; those on the far side are fainter.
+
+    Equal numbers in the pictures of source and target are one landmark.
+    """
+    toward = normals @ camera.rotation[2]
     for number, (column, row, _) in enumerate(camera.project(points), start=1):
-        axes.plot(column, row, "o", ms=8.5, mfc="white", mec=INK, mew=0.9, alpha=0.92, clip_on=False)
-        axes.text(column, row, str(number), ha="center", va="center_baseline", fontsize=6, color=INK)
+        strength = 0.95 if toward[number - 1] > 0 else 0.5
+        axes.plot(column, row, "o", ms=8.5, mfc="white", mec=INK, mew=0.9, alpha=strength, clip_on=False)
+        axes.text(
+            column, row, str(number), ha="center", va="center_baseline", fontsize=6, color=INK, alpha=strength
+        )

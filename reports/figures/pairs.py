@@ -102,8 +102,9 @@ def _panel(top: Axes, bottom: Axes, pair: Pair, panel: Panel, source: Camera, ta
     place_cloud(bottom, pair.source.points, pair.source.normals, error_colors(panel.errors), source)
     _title(bottom, "", "error per source point")
     if len(panel.landmarks):
-        mark_landmarks(bottom, pair.source.points[panel.landmarks[:, 0]], source)
-        mark_landmarks(top, pair.target.points[panel.landmarks[:, 1]], target)
+        for axes, cloud, camera, column in ((bottom, pair.source, source, 0), (top, pair.target, target, 1)):
+            ids = panel.landmarks[:, column]
+            mark_landmarks(axes, cloud.points[ids], cloud.normals[ids], camera)
 
 
 def _title(axes: Axes, title: str, note: str) -> None:

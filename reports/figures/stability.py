@@ -39,6 +39,7 @@ def stability(table: pd.DataFrame) -> Figure:
             suffix = f", {count} views" if len(views) > 1 else ""
             axes.set_title(f"{operator}{suffix}")
             _missing(axes, part, label=axes is row[-1])
+        row[0].set_ylim(0, 1.06 * float(table.loc[table["views"] == count, "eq18"].max() or 1))
         row[0].set_ylabel("medial diffusion error, Eq. 18")
     for axes in grid[-1]:
         axes.set_xlabel("peak threshold τ")
@@ -56,7 +57,6 @@ def _draw(axes: Axes, part: pd.DataFrame, styles: dict[str, dict[str, Any]]) -> 
         axes.plot(curve.index, curve["mean"], label=pose, mec="white", mew=0.5, **style)
         if (curve["max"] > curve["min"]).any():
             axes.fill_between(curve.index, curve["min"], curve["max"], color=style["color"], alpha=0.13, lw=0)
-    axes.set_ylim(bottom=0)
 
 
 def _missing(axes: Axes, part: pd.DataFrame, label: bool) -> None:
@@ -67,10 +67,10 @@ def _missing(axes: Axes, part: pd.DataFrame, label: bool) -> None:
     twin.plot(share.index, share["mean"], color=QUIET, lw=1.1, ls=(0, (4, 2)), marker="")
     twin.set_ylim(0, max(50.0, 10 * np.ceil(float(share["max"].max() or 0) / 10)))
     twin.grid(False)
-    twin.spines["right"].set_visible(True)
+    twin.spines["right"].set_visible(label)
     axes.set_zorder(twin.get_zorder() + 1)
     axes.patch.set_visible(False)
     if label:
         twin.set_ylabel("missing surface, % (dashed)", color=QUIET)
     else:
-        twin.tick_params(labelright=False)
+        twin.tick_params(right=False, labelright=False)

@@ -89,15 +89,21 @@ def new_figure(
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
+_FORMATS: dict[str, dict[str, Any]] = {
+    ".png": {"pil_kwargs": {"compress_level": 4}},
+    ".pdf": {"metadata": {"CreationDate": None, "Producer": None}},
+}
+
+
 def save(figure: Figure, folder: str | os.PathLike[str], name: str, dpi: int = 160) -> Path:
     """Write ``name.pdf`` and ``name.png`` into a folder; return the path of the PNG.
 
     The files are the same for the same figure: no dates are written.
     """
     with mpl.rc_context(_SETTINGS):
-        for suffix, metadata in ((".pdf", {"CreationDate": None, "Producer": None}), (".png", {})):
+        for suffix, options in _FORMATS.items():
             with atomic_path(Path(folder) / (name + suffix)) as temporary:
-                figure.savefig(temporary, dpi=dpi, metadata=metadata)
+                figure.savefig(temporary, dpi=dpi, **options)
             figure.set_layout_engine("none")  # both formats share one layout, which is slow to find
     return Path(folder) / f"{name}.png"
 

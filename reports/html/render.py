@@ -13,6 +13,9 @@ from reports.tables import GROUP, LEADERBOARD, STABILITY, STABILITY_GROUP, Colum
 if TYPE_CHECKING:
     from reports.sections import Picture
 
+BOARD = tuple(column for column in LEADERBOARD if column.name not in ("maps", "missing"))
+"""Columns of the leaderboard on the page, where every regime has a head of its own."""
+
 
 @dataclass
 class PageData:
@@ -51,9 +54,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class Block:
-    """Rows of a table under one head, such as a data set and a regime."""
+    """Rows of a table under one head, such as a regime, and what holds for all of them."""
 
     head: str
+    about: str
     rows: list[list[Cell]]
 
 
@@ -73,8 +77,8 @@ def render_page(data: PageData) -> str:
         sentence=headline(data.table),
         overall=overall(data.table),
         colors=method_colors(data.leaderboard["method"]) if len(data.leaderboard) else {},
-        board=blocks(data.leaderboard, LEADERBOARD, GROUP, "geodesic_mean", "regime"),
-        board_columns=used(LEADERBOARD, data.leaderboard)[len(GROUP) :],
+        board=blocks(data.leaderboard, BOARD, GROUP, "geodesic_mean", "regime"),
+        board_columns=used(BOARD, data.leaderboard)[len(GROUP) :],
         stable=blocks(data.stability, STABILITY, STABILITY_GROUP, "eq18", ""),
         stable_columns=used(STABILITY, data.stability)[1:] if len(data.stability) else [],
         pictures=data.pictures,
@@ -116,7 +120,7 @@ def headline(table: pd.DataFrame) -> str:
     winners = groups.groupby(GROUP).idxmin().map(lambda key: key[-1])
     won = int((winners == first["method"]).sum())
     return (
-        f"{first['method']} has the lowest mean geodesic error over all maps, {first['mean']:.1f} "
+        f"Over all maps, {first['method']} has the lowest mean geodesic error, {first['mean']:.1f} "
         f"(× 100 / √area), ahead of {second['method']} with {second['mean']:.1f}; it is the best in "
         f"{won} of {len(winners)} groups of data set and regime."
     )
@@ -134,7 +138,8 @@ def facts(data: PageData) -> Iterator[tuple[str, str]]:
     points = sorted(table["n_points"].dropna().astype(int).unique())
     if points:
         yield "points per scan", f"{points[0]:,}" if len(points) == 1 else f"{points[0]:,} to {points[-1]:,}"
-    yield "seeds", str(table["seed"].nunique())
+    seeds = table["seed"].nunique()
+    yield "seed" if seeds == 1 else "seeds", str(seeds)
     if data.info.get("wall_seconds"):
         yield "last run", _duration(float(data.info["wall_seconds"]))
     if len(data.failures):
@@ -166,8 +171,16 @@ def blocks(
             ]
             for i, row in rows.iterrows()
         ]
-        found.setdefault(str(key[0]), []).append(Block(str(key[1]) if second else "", cells))
+        head, about = (str(key[1]), _common(rows)) if second else ("", "")
+        found.setdefault(str(key[0]), []).append(Block(head, about, cells))
     return found
+
+
+def _common(rows: pd.DataFrame) -> str:
+    """Number of maps and missing surface, which the methods of a regime share."""
+    maps = sorted(rows["maps"].astype(int).unique())
+    count = f"{maps[0]}" if len(maps) == 1 else f"{maps[0]} to {maps[-1]}"
+    return f"{count} maps per method, {rows['missing'].mean():.0f} % of the surface missing"
 
 
 def flat(info: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:

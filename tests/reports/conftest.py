@@ -1,0 +1,144 @@
+"""A small results folder, written with the store's own functions; its errors are known."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from datasets_gen import Collection, Shape
+from evaluation.collection_file import save_collection
+from evaluation.methods import dense
+from evaluation.metrics import CURVE, pck_curve
+from evaluation.store import FORMAT, ResultsStore, write_json
+from evaluation.table import COLUMNS
+from evaluation.tasks import Task
+from medial import Diffusion
+from scanner_sim import sample
+
+POSES = ("rest", "bent")
+THRESHOLDS = (0.3, 0.8)
+METHODS = {"medial diffusion": ("medial", 3.0), "heat kernel": ("heat", 9.0)}
+"""Label: operator and constant geodesic error."""
+
+
+def collection(subject="blob"):
+    mesh = trimesh.creation.capsule(height=2.0, radius=0.5, count=[16, 16])
+    faces = np.array(mesh.faces, np.int32)
+    poses = {
+        "rest": mesh.vertices,
+        "bent": mesh.vertices + 0.2 * np.c_[mesh.vertices[:, 2] ** 2, 0 * mesh.vertices[:, :2]],
+    }
+    shapes = tuple(
+        Shape(np.array(v, float), faces, f"{subject}/{pose}", subject, pose) for pose, v in poses.items()
+    )
+    return Collection(subject, shapes, shapes[0])
+
+
+def diffusion(scan, operator):
+    n = len(scan)
+    flat = np.full((n, 2), n**-0.5)
+    return Diffusion(
+        points=scan.points,
+        normals=scan.normals,
+        areas=np.ones(n),
+        eigenvalues=np.array([0.0, 1.0]),
+        eigenfunctions=flat,
+        centers=scan.points * 0.5,
+        radii=np.ones(n),
+        operator=operator,
+    )
+
+
+def write_results(folder, *, subjects=("blob",), seeds=(0,), failures=()):
+    """A results folder as `evaluation.run` leaves it; every map is the identity."""
+    store = ResultsStore(folder)
+    rows, datasets = [], {}
+    for subject in subjects:
+        shapes = collection(subject)
+        datasets[subject] = f"{subject}-shape"
+        save_collection(shapes, store.path("shape", datasets[subject]))
+        for seed in seeds:
+            rows += _rows(store, subject, shapes, seed)
+    table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
+    table.to_parquet(folder / "table.parquet")
+    lines = pd.DataFrame(failures, columns=["key", "stage", "label", "kind", "reason"])
+    lines.to_csv(folder / "failures.csv", index=False)
+    (folder / "experiment.toml").write_text('name = "small"\ndescription = "two <poses>"\nseeds = [0]\n')
+    info = {
+        "format": FORMAT,
+        "datasets": datasets,
+        "versions": {"numpy": np.__version__},
+        "wall_seconds": 12.5,
+    }
+    write_json(folder / "run.json", info)
+    return store
+
+
+def _scan(shapes, pose):
+    """The same surface points in every pose."""
+    scan = sample(shapes.reference, 200, seed=1)
+    points = shapes[pose].at(scan.face_ids, scan.barycentrics)
+    return replace(scan, points=points, true_points=points)
+
+
+def _rows(store, subject, shapes, seed):
+    clouds = {}
+    for pose in POSES:
+        for threshold in THRESHOLDS:
+            key = f"{subject}-{pose}-{threshold}-{seed}"
+            _scan(shapes, pose).save(store.path("scan", key))
+            clouds[pose, threshold] = key
+    for threshold in THRESHOLDS:
+        for operator, level in (("medial", 0.1), ("heat", 0.4)):
+            for pose in POSES:
+                yield {
+                    "kind": "stability", "dataset": subject, "subject": subject, "method": operator, "operator": operator,
+                    "source_pose": pose, "source_threshold": threshold, "target_pose": "rest",
+                    "regime": f"threshold {threshold}", "views": "6", "n_points": 200, "seed": seed,
+                    "source_missing": threshold / 2, "eq18": level * threshold, "eq18_trace": level,
+                    "eq18_relative": level, "source_scan": clouds[pose, threshold], "score_key": "s",
+                }  # fmt: skip
+        for label, (operator, error) in METHODS.items():
+            source, target = clouds["rest", threshold], clouds["bent", threshold]
+            key = f"{subject}-{threshold}-{seed}-{operator}"
+            _write_map(store, key, source, operator, error)
+            yield {
+                "kind": "matching", "dataset": subject, "subject": subject, "method": label, "operator": operator,
+                "source_pose": "rest", "source_threshold": threshold, "target_pose": "bent",
+                "target_threshold": threshold, "regime": f"threshold {threshold}", "views": "6", "n_points": 200,
+                "seed": seed, "source_missing": threshold / 2, "target_missing": threshold / 2,
+                "geodesic_mean": error + seed, "geodesic_median": error, "geodesic_symmetric_mean": error,
+                "flipped": operator == "heat", "pck_auc": 1 - error / 25, "medial_mean": 1.0, "coverage": 1.0,
+                "overlap_iou": 0.9, "seconds_match": 2.0, "source_scan": source, "target_scan": target,
+                "map_key": key, "score_key": key,
+            }  # fmt: skip
+
+
+def _write_map(store, key, scan_key, operator, error):
+    scan = store.scan(scan_key)
+    n = len(scan)
+    found = dense(np.arange(n), np.ones(n), landmarks=np.array([[0, 0], [5, 5]]))
+    found.save(store.path("map", key))
+    inputs = {"source_scan": scan_key}
+    if operator == "medial":
+        diffusion(scan, operator).save(store.path("operator", f"{key}-operator"))
+        inputs["source_medial"] = f"{key}-operator"
+    store.write_record(Task(key, "map", {}, inputs, key), 2.0, None, {})
+    curve = pck_curve(np.full(n, error / 100), CURVE)
+    store.write_record(
+        Task(key, "score", {}, {}, key),
+        0.1,
+        None,
+        json.loads(json.dumps({"row": {}, "curve": curve.tolist()})),
+    )
+
+
+@pytest.fixture(scope="session")
+def results(tmp_path_factory):
+    """Folder of a small finished run; do not change it."""
+    folder = tmp_path_factory.mktemp("results")
+    write_results(folder, subjects=("blob", "worm"), seeds=(0, 1))
+    return folder
