@@ -4,9 +4,10 @@ A node j at g_j carries a rotation R_j and a position y_j. A point x moves with 
 
     x' = sum_j w_j(x) (R_j (x - g_j) + y_j),                                              [SSP07]
 
-and neighbouring nodes should move rigidly: an edge (j, k) costs |R_j (g_k - g_j) - (y_k - y_j)|^2 [SA07]. For fixed rotations the positions solve a small linear system; for fixed positions each rotation is a polar
-factor. Nodes are neighbours when both their positions and their medial centres are close, so that an arm does
-not stick to the torso beside it, while the two sides of a limb move together across missing data.
+and neighbouring nodes should move rigidly: an edge (j, k) costs |R_j (g_k - g_j) - (y_k - y_j)|^2 [SA07].
+For fixed rotations the positions solve a small linear system; for fixed positions each rotation is a polar
+factor. Nodes are neighbours when both their positions and their medial centres are close, so that an arm
+does not stick to the torso beside it, while the two sides of a limb move together across missing data.
 
 References
 ----------
@@ -18,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from medial.cloud import Float, Int, farthest_order, neighbour_pairs
+from medial.compiled import compiled
 
 INFLUENCES = 5
 NEIGHBOURS = 8
@@ -45,28 +46,24 @@ class Embedding:
     weights : (n, INFLUENCES) float64
         Each row sums to 1.
     offsets : (n, INFLUENCES, 3) float64
-    matrix : (n, K) csr_array
-        The weights as a sparse matrix.
     """
 
     nodes: Int
     weights: Float
     offsets: Float
-    matrix: csr_array
 
     def turned(self, rotations: Float) -> Float:
         """The part of x' that depends on the rotations alone, (n, 3)."""
-        turned = np.einsum("nkab,nkb->nka", rotations[self.nodes], self.offsets)
-        return np.einsum("nk,nka->na", self.weights, turned)
+        return _turned(self.nodes, self.weights, self.offsets, rotations)
 
     def moved(self, pose: Pose) -> Float:
         """Positions of the points in a pose, (n, 3)."""
-        return self.turned(pose.rotations) + self.matrix @ pose.positions
+        return self.turned(pose.rotations) + _blended(self.nodes, self.weights, pose.positions)
 
     def turned_normals(self, normals: Float, pose: Pose) -> Float:
         """Unit normals of the points in a pose, (n, 3)."""
-        blended = np.einsum("nk,nkab->nab", self.weights, pose.rotations[self.nodes])
-        turned = np.einsum("nab,nb->na", blended, normals)
+        same = np.broadcast_to(normals[:, None], self.offsets.shape)
+        turned = _turned(self.nodes, self.weights, same, pose.rotations)
         length = np.linalg.norm(turned, axis=1, keepdims=True)
         return turned / np.maximum(length, np.finfo(float).tiny)
 
@@ -107,9 +104,7 @@ class DeformationGraph:
         weights = (1 - np.minimum(distance[:, :count] / reach, 1)) ** 2 + 1e-9
         weights /= weights.sum(axis=1, keepdims=True)
         nodes = near[:, :count].astype(np.int64)
-        rows = np.repeat(np.arange(len(points)), count)
-        matrix = csr_array((weights.ravel(), (rows, nodes.ravel())), shape=(len(points), len(self)))
-        return Embedding(nodes, weights, points[:, None] - self.rest[nodes], matrix)
+        return Embedding(nodes, weights, points[:, None] - self.rest[nodes])
 
     def strain2(self, pose: Pose) -> Float:
         """Squared relative deviation of each edge from a rigid motion, (E,)."""
@@ -138,23 +133,10 @@ class DeformationGraph:
         (K, 3) float64
         """
         count = len(self)
-        weighted = embedding.matrix.multiply(weights[:, None]).tocsr()
-        system = (embedding.matrix.T @ weighted).toarray()
-        right = weighted.T @ (targets - embedding.turned(rotations))
-        cells = np.concatenate(
-            [
-                self.start * (count + 1),
-                self.end * (count + 1),
-                self.start * count + self.end,
-                self.end * count + self.start,
-            ]
-        )
-        values = np.concatenate([stiffness, stiffness, -stiffness, -stiffness])
-        system += np.bincount(cells, values, minlength=count * count).reshape(count, count)
-        wanted = stiffness[:, None] * np.einsum("eab,eb->ea", rotations[self.start], self.edge)
-        for axis in range(3):
-            right[:, axis] += np.bincount(self.end, wanted[:, axis], minlength=count)
-            right[:, axis] -= np.bincount(self.start, wanted[:, axis], minlength=count)
+        system, right = np.zeros((count, count)), np.zeros((count, 3))
+        residual = targets - embedding.turned(rotations)
+        _add_points(embedding.nodes, embedding.weights, weights, residual, system, right)
+        _add_edges(self.start, self.end, stiffness, rotations, self.edge, system, right)
         system[np.diag_indices(count)] += 1e-9 * np.trace(system) / count
         return cho_solve(cho_factor(system, check_finite=False), right, check_finite=False)
 
@@ -184,16 +166,79 @@ class DeformationGraph:
         -------
         (K, 3, 3) float64
         """
-        count = len(self)
+        moments = np.zeros((len(self), 3, 3))
         stretched = positions[self.end] - positions[self.start]
-        outer = np.einsum("e,ea,eb->eab", stiffness / self.length2, stretched, self.edge).reshape(-1, 9)
-        turned = np.einsum("n,na,nb->nab", weights, target_normals, normals).reshape(-1, 9)
-        edges = csr_array(
-            (np.ones(len(self.start)), (self.start, np.arange(len(self.start)))),
-            shape=(count, len(self.start)),
-        )
-        moments = edges @ outer + embedding.matrix.T @ turned
-        return polar_rotations(moments.reshape(count, 3, 3) + 1e-12 * np.eye(3))
+        _add_outer(self.start, stiffness / self.length2, stretched, self.edge, moments)
+        for k in range(embedding.nodes.shape[1]):
+            pull = weights * embedding.weights[:, k]
+            _add_outer(embedding.nodes[:, k], pull, target_normals, normals, moments)
+        return polar_rotations(moments + 1e-12 * np.eye(3))
+
+
+@compiled()
+def _turned(nodes: Int, weights: Float, offsets: Float, rotations: Float) -> Float:
+    """Sum over a point's nodes of weight times turned offset, (n, 3)."""
+    result = np.zeros((len(nodes), 3))
+    for n in range(len(nodes)):
+        for k in range(nodes.shape[1]):
+            turn, w = rotations[nodes[n, k]], weights[n, k]
+            for a in range(3):
+                for b in range(3):
+                    result[n, a] += w * turn[a, b] * offsets[n, k, b]
+    return result
+
+
+@compiled()
+def _blended(nodes: Int, weights: Float, values: Float) -> Float:
+    """Weighted mean of the values of a point's nodes, (n, 3)."""
+    result = np.zeros((len(nodes), 3))
+    for n in range(len(nodes)):
+        for k in range(nodes.shape[1]):
+            for a in range(3):
+                result[n, a] += weights[n, k] * values[nodes[n, k], a]
+    return result
+
+
+@compiled()
+def _add_points(
+    nodes: Int, hang: Float, weights: Float, residual: Float, system: Float, right: Float
+) -> None:
+    """Normal equations of the data: W^T C W and W^T C r."""
+    for n in range(len(nodes)):
+        for j in range(nodes.shape[1]):
+            row, pull = nodes[n, j], weights[n] * hang[n, j]
+            for a in range(3):
+                right[row, a] += pull * residual[n, a]
+            for k in range(nodes.shape[1]):
+                system[row, nodes[n, k]] += pull * hang[n, k]
+
+
+@compiled()
+def _add_edges(
+    start: Int, end: Int, stiffness: Float, rotations: Float, edge: Float, system: Float, right: Float
+) -> None:
+    """Normal equations of the edges."""
+    for e in range(len(start)):
+        i, j, s = start[e], end[e], stiffness[e]
+        system[i, i] += s
+        system[j, j] += s
+        system[i, j] -= s
+        system[j, i] -= s
+        for a in range(3):
+            wanted = 0.0
+            for b in range(3):
+                wanted += rotations[i, a, b] * edge[e, b]
+            right[j, a] += s * wanted
+            right[i, a] -= s * wanted
+
+
+@compiled()
+def _add_outer(nodes: Int, weights: Float, left: Float, right: Float, moments: Float) -> None:
+    """Add weight * left right^T of each row to its node's matrix."""
+    for n in range(len(nodes)):
+        for a in range(3):
+            for b in range(3):
+                moments[nodes[n], a, b] += weights[n] * left[n, a] * right[n, b]
 
 
 def polar_rotations(matrices: Float) -> Float:

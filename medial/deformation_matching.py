@@ -1,9 +1,9 @@
 """Matching that holds when much is missing: landmark sets by path length, judged by deformation.
 
-1. Landmark sets whose medial path lengths agree are searched (`medial.candidates`); mirrored and half-mirrored
-   sets agree as well, so all are kept.
-2. Each is spread to a map between medial regions and tried out by a quick registration; the one whose surfaces
-   find each other with the least strain is taken.
+1. Landmark sets whose medial path lengths agree are searched (`medial.candidates`); mirrored and
+   half-mirrored sets agree as well, so all are kept.
+2. Each is spread to a map between medial regions and tried out by a quick registration; the one whose
+   surfaces find each other with the least strain is taken.
 3. It is registered finely. Then the points that found their counterpart serve as landmarks for those that did
    not, as long as the registration gets better.
 4. The target point nearest to a deformed source point, in position and normal, is its match.
@@ -16,6 +16,7 @@ import numpy as np
 from datasets_gen.records import InputError
 from medial.candidates import LandmarkSet, SearchConfig, landmark_sets, spread
 from medial.cloud import Cloud, Float, Int, common_units
+from medial.compiled import run_tasks
 from medial.diffusion import Diffusion
 from medial.paths import MedialPaths
 from medial.registration import Fit, Registration, RegistrationConfig
@@ -25,15 +26,18 @@ UNDECIDED = 0.03
 RIVAL = 0.1
 """Mean distance, in square roots of area, from which two maps count as different."""
 REPAIRS = 2
+FINALISTS = 8
+"""Candidates registered to the end."""
 ANCHORS = 40
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One candidate: its landmarks, the map it gives, and how that fared."""
+    """One candidate: its landmarks, how it fared, whether to the last round, and the map it came to."""
 
     landmarks: LandmarkSet
     fit: Fit
+    finished: bool
     source_to_target: Int
 
 
@@ -70,11 +74,8 @@ def match_by_deformation(source: Diffusion, target: Diffusion, search: SearchCon
             raise InputError(f"the {name} has {len(cloud)} points; matching by deformation needs 50 or more")
     paths_here, paths_there = MedialPaths.of(here), MedialPaths.of(there)
     quick = Registration(here, there, RegistrationConfig.coarse())
-    trials = [
-        _try(quick, paths_here, paths_there, landmarks)
-        for landmarks in landmark_sets(paths_here, paths_there, search)
-    ]
-    best = max(trials, key=lambda trial: trial.fit.score)
+    trials = _trials(quick, paths_here, paths_there, landmark_sets(paths_here, paths_there, search))
+    best = max((trial for trial in trials if trial.finished), key=lambda trial: trial.fit.score)
     fine = Registration(here, there)
     fit = fine.settle(fine.adopt(quick, best.fit.pose))
     fit = _repair(fine, fit, paths_here, paths_there)
@@ -91,12 +92,25 @@ def match_by_deformation(source: Diffusion, target: Diffusion, search: SearchCon
     )
 
 
-def _try(
-    registration: Registration, source: MedialPaths, target: MedialPaths, landmarks: LandmarkSet
-) -> Trial:
-    node = spread(source, target, landmarks.source, landmarks.target)
-    fit = registration.try_map(target.nodes[node][source.nearest])
-    return Trial(landmarks, fit, registration.correspondence(fit.pose)[0])
+def _trials(
+    registration: Registration, source: MedialPaths, target: MedialPaths, sets: list[LandmarkSet]
+) -> list[Trial]:
+    """Register every landmark set for a few rounds, the best of them to the end."""
+    early = registration.config.rounds // 3
+
+    def begin(landmarks: LandmarkSet) -> Fit:
+        node = spread(source, target, landmarks.source, landmarks.target)
+        pose = registration.follow(target.nodes[node][source.nearest])
+        return registration.settle(pose, last=early)
+
+    begun = run_tasks(begin, [(each,) for each in sets])
+    order = np.argsort([-fit.score for fit in begun], kind="stable")[:FINALISTS]
+    done = run_tasks(lambda fit: registration.settle(fit.pose, first=early), [(begun[k],) for k in order])
+    fits = dict(zip(order.tolist(), done, strict=True))
+    return [
+        Trial(landmarks, fits.get(k, fit), k in fits, registration.correspondence(fits.get(k, fit).pose)[0])
+        for k, (landmarks, fit) in enumerate(zip(sets, begun, strict=True))
+    ]
 
 
 def _repair(registration: Registration, fit: Fit, source: MedialPaths, target: MedialPaths) -> Fit:
@@ -126,7 +140,7 @@ def _confidence(distance: Float, agreement: Float, registration: Registration, f
 
 
 def flip_verdict(trials: list[Trial], best: Trial, target: Cloud) -> str:
-    """Whether the taken map is the one that path lengths alone prefer (kept), a rival (flipped), or hardly better.
+    """Whether the taken map is the one that path lengths alone prefer, a rival of it, or hardly better.
 
     Returns
     -------

@@ -1,12 +1,12 @@
 r"""Deform one cloud onto another, starting from a rough map: the surface stage of matching, and its judge.
 
-A map between medial regions is right up to the ambiguity around each limb, and a landmark set may be wrong or
-mirrored. Bodies bend but hardly stretch, so the map is tried out: the source is deformed as rigidly as
-possible, first pulling the medial centres to the centres of their matches (robustly: a consistent majority wins), then
-letting the surfaces settle on each other by iterative closest points in position and normal, in both
-directions. What remains tells how good the map was: the share of each surface that found the other, and the
-strain of the deformation. A left-right flip shows too, as rigid parts cannot be reflected ([ZSCO*08] use a
-deformation likewise).
+A map between medial regions is right up to the ambiguity around each limb, and a landmark set may be wrong
+or mirrored. Bodies bend but hardly stretch, so the map is tried out: the source is deformed as rigidly as
+possible, first pulling the medial centres to the centres of their matches (robustly: a consistent majority
+wins), then letting the surfaces settle on each other by iterative closest points in position and normal, in
+both directions. What remains tells how good the map was: the share of each surface that found the other, and
+the strain of the deformation. A left-right flip shows too, as rigid parts cannot be reflected ([ZSCO*08] use
+a deformation likewise).
 
 References
 ----------
@@ -33,12 +33,14 @@ class RegistrationConfig:
 
     nodes: int = 400
     """Nodes of the deformation graph."""
-    points: int = 8000
+    points: int = 3000
     """Points of each cloud that take part (farthest-point subset)."""
     warm_up: int = 30
     """Rounds that follow the map."""
-    rounds: int = 40
+    rounds: int = 60
     """Rounds of closest points."""
+    steps: int = 2
+    """Updates of positions and rotations per round."""
     pull: float = 0.15
     """Error of the map that is still believed while warming up."""
     reach: tuple[float, float] = (0.12, 0.03)
@@ -53,7 +55,7 @@ class RegistrationConfig:
     @classmethod
     def coarse(cls) -> "RegistrationConfig":
         """A quick trial, to compare candidate maps."""
-        return cls(nodes=150, points=1500, warm_up=15, rounds=20)
+        return cls(nodes=150, points=1000, warm_up=15, rounds=20)
 
 
 @dataclass(frozen=True)
@@ -154,42 +156,64 @@ class Registration:
         positions = (self.graph.rest - here) @ turn.T + there
         return Pose(np.repeat(turn[None], len(self.graph), axis=0), positions)
 
-    def settle(self, pose: Pose) -> Fit:
-        """Let the surfaces settle on each other from a pose (closest points, both directions)."""
-        config, taken = self.config, self._taken_there
-        there, there_normals = self.target.points[taken], self.target.normals[taken]
+    def settle(self, pose: Pose, first: int = 0, last: int | None = None) -> Fit:
+        """Let the surfaces settle on each other from a pose (closest points, both directions).
+
+        Parameters
+        ----------
+        pose
+        first, last
+            Rounds to run, of `config.rounds`; all by default.
+        """
+        config = self.config
         share = len(self.graph) / len(self._points)
-        for k in range(config.rounds):
-            u = k / max(config.rounds - 1, 1)
-            reach = config.reach[0] * (config.reach[1] / config.reach[0]) ** u
-            stiffness = config.stiffness[0] * (config.stiffness[1] / config.stiffness[0]) ** u
-            moved = self._embedding.moved(pose)
-            normals = self._embedding.turned_normals(self._normals, pose)
-            _, near = self._tree.query(self._features(moved, normals))
-            goal, belief = _towards(
-                moved, self.target.points[near], normals, self.target.normals[near], reach
-            )
-            _, back = cKDTree(self._features(moved, normals)).query(self._features(there, there_normals))
-            goal_back, belief_back = _towards(moved[back], there, normals[back], there_normals, reach)
-            total = belief + np.bincount(back, belief_back, minlength=len(moved))
-            pulled = belief[:, None] * goal
-            for axis in range(3):
-                pulled[:, axis] += np.bincount(back, belief_back * goal_back[:, axis], minlength=len(moved))
-            goal = pulled / np.maximum(total, 1e-12)[:, None]
-            hold = geman_mcclure(self.graph.strain2(pose), STRAIN_SCALE**2)
-            positions = self.graph.solve_positions(
-                self._embedding, pose.rotations, goal, total * share, stiffness * hold
-            )
-            rotations = self.graph.fit_rotations(
-                self._embedding,
-                positions,
-                hold,
-                self._normals,
-                self.target.normals[near],
-                config.turning * share * belief,
-            )
-            pose = Pose(rotations, positions)
+        for k in range(first, config.rounds if last is None else last):
+            done = k / max(config.rounds - 1, 1)
+            reach, stiffness = (a * (b / a) ** done for a, b in (config.reach, config.stiffness))
+            goal, belief, seen, seen_normals = self._goals(pose, reach)
+            for _ in range(config.steps):
+                hold = geman_mcclure(self.graph.strain2(pose), STRAIN_SCALE**2)
+                positions = self.graph.solve_positions(
+                    self._embedding, pose.rotations, goal, belief * share, stiffness * hold
+                )
+                rotations = self.graph.fit_rotations(
+                    self._embedding,
+                    positions,
+                    hold,
+                    self._normals,
+                    seen_normals,
+                    config.turning * share * seen,
+                )
+                pose = Pose(rotations, positions)
         return self._judge(pose)
+
+    def _goals(self, pose: Pose, reach: float) -> tuple[Float, Float, Float, Float]:
+        """Where the points should go, from closest points in both directions.
+
+        Returns
+        -------
+        goal : (n, 3)
+        belief : (n,)
+            Weight of the goals.
+        seen : (n,)
+            The part of it that comes from the points' own closest points.
+        seen_normals : (n, 3)
+            Normals of those.
+        """
+        there, there_normals = self.target.points[self._taken_there], self.target.normals[self._taken_there]
+        moved = self._embedding.moved(pose)
+        normals = self._embedding.turned_normals(self._normals, pose)
+        features = self._features(moved, normals)
+        _, near = self._tree.query(features)
+        seen_normals = self.target.normals[near]
+        goal, seen = _towards(moved, self.target.points[near], normals, seen_normals, reach)
+        _, back = cKDTree(features).query(self._features(there, there_normals))
+        goal_back, belief_back = _towards(moved[back], there, normals[back], there_normals, reach)
+        belief = seen + np.bincount(back, belief_back, minlength=len(moved))
+        pulled = seen[:, None] * goal
+        for axis in range(3):
+            pulled[:, axis] += np.bincount(back, belief_back * goal_back[:, axis], minlength=len(moved))
+        return pulled / np.maximum(belief, 1e-12)[:, None], belief, seen, seen_normals
 
     def _judge(self, pose: Pose) -> Fit:
         reach = self.config.reach[1]
@@ -237,7 +261,7 @@ class Registration:
 def _hang(graph: DeformationGraph, embedding: Embedding, points: Float) -> Embedding:
     """Other points (the medial centres) on the nodes of an embedding."""
     offsets = points[:, None] - graph.rest[embedding.nodes]
-    return Embedding(embedding.nodes, embedding.weights, offsets, embedding.matrix)
+    return Embedding(embedding.nodes, embedding.weights, offsets)
 
 
 def _towards(
