@@ -15,7 +15,7 @@ from scanner_sim.config import ScannerConfig
 from scanner_sim.scenes import build_scene, sensor
 
 if TYPE_CHECKING:
-    from scanner_sim.rays import Hits, Tracer
+    from scanner_sim.rays import Tracer
 
 TEXELS = 512
 """Across the stripe; linear interpolation between them is wrong by 2e-5 of the peak."""
@@ -23,28 +23,37 @@ PATHS = 256
 """Light paths per pixel where light bounces."""
 
 
-def sweep(tracer: "Tracer", pose: NDArray[np.float64], hits: "Hits", seed: int = 0) -> stripe.Swept:
-    """Light of the stripes near the brightest one, for every lit hit of a view.
+def indirect(
+    tracer: "Tracer", pose: NDArray[np.float64], pixels: NDArray[np.int32], swept: stripe.Swept, seed: int = 0
+) -> NDArray[np.float64]:
+    """Light that reaches pixels by more than one reflection, under the stripes of their rows.
+
+    The difference of two renderings, so that the direct light stays synthesised.
 
     Parameters
     ----------
     tracer
     pose : (4, 4)
         Camera-to-rig matrix, mm.
-    hits
-        Of this view.
+    pixels : (m, 2)
+    swept
+        Stripes of each pixel, (m, w).
     seed
         Of the light paths.
+
+    Returns
+    -------
+    (m, w) float64
+        In units of the direct light: 1 is a white surface that faces the laser at the nearest depth.
     """
     config = tracer.config
-    index = np.flatnonzero(hits.radiance > 0)
-    images = config.nearest**2 * render(tracer, pose, hits.pixels[index], np.arange(config.stripes), seed)
-    span = 2 * int(np.ceil(config.wedge / 2 / config.step)) + 1
-    first = images.argmax(axis=1) - span // 2
-    column = first[:, None] + np.arange(span)
+    numbers = np.arange(config.stripes)
+    more, one = (render(tracer, pose, pixels, numbers, b, PATHS, seed) for b in (config.bounces, 1))
+    gain = config.nearest**2 * np.maximum(more - one, 0)
+    column = swept.first[:, None] + np.arange(swept.values.shape[1])
     inside = (column >= 0) & (column < config.stripes)
-    values = np.take_along_axis(images, np.clip(column, 0, config.stripes - 1), axis=1)
-    return stripe.Swept(first, np.where(inside, values, 0.0))
+    values = np.take_along_axis(gain, np.clip(column, 0, config.stripes - 1), axis=1)
+    return np.where(inside, values, 0.0)
 
 
 def render(
@@ -52,6 +61,8 @@ def render(
     pose: NDArray[np.float64],
     pixels: NDArray[np.int32],
     numbers: NDArray[np.integer],
+    bounces: int = 1,
+    paths: int = 1,
     seed: int = 0,
 ) -> NDArray[np.float64]:
     """Radiance of pixels under single stripes of the wedge of irradiance pi at distance 1.
@@ -64,13 +75,18 @@ def render(
     pixels : (m, 2)
     numbers : (k,)
         Of the stripes.
+    bounces
+        Reflections followed.
+    paths
+        Light paths per pixel; a single one goes through the pixel's centre, more cover its area.
     seed
-        Of the light paths, where light bounces.
+        Of the light paths.
 
     Returns
     -------
     (m, k) float64
-        For one bounce: BSDF times cosine times profile times pi, over the squared distance to the laser.
+        For one bounce and path: BSDF times cosine times profile times pi, over the squared distance to
+        the laser.
     """
     config = tracer.config
     vertices = (tracer.vertices - pose[:3, 3]) @ pose[:3, :3]
@@ -83,15 +99,14 @@ def render(
         mesh = tracer.mesh(mi)
         scene = build_scene(mi, mesh, _projector(mi, config, _tallest(vertices, config)))
         parameters = mi.traverse(scene)
-        camera = sensor(mi, config, pose, window)
-        integrator = mi.load_dict({"type": "path", "max_depth": config.bounces + 1})
+        camera = sensor(mi, config, pose, window, paths)
+        integrator = mi.load_dict({"type": "path", "max_depth": bounces + 1, "rr_depth": bounces + 2})
         for k, number in enumerate(numbers):
             theta = config.sweep[0] + (number + 0.5) * config.step
             place = _turned(pose, config.baseline, theta)
             parameters["laser.to_world"] = mi.AffineTransform4f(place.tolist())
             parameters.update()
-            spp = 1 if config.bounces == 1 else PATHS
-            image = np.array(integrator.render(scene, sensor=camera, seed=seed, spp=spp))[..., 0]
+            image = np.array(integrator.render(scene, sensor=camera, seed=seed))[..., 0]
             out[:, k] = image[row, column]
     return out
 

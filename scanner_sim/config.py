@@ -71,8 +71,8 @@ class ScannerConfig:
     shading: Literal["smooth", "flat"] = "smooth"
     """Normals that reflect light and are reported as true: interpolated vertex normals, or face normals."""
     bounces: int = 1
-    """Reflections followed from the laser to the camera. More than 1 renders every stripe with path tracing:
-    for validation, thousands of times slower."""
+    """Reflections followed from the laser to the camera. More than 1 adds the light of path tracing under
+    every stripe: for validation, thousands of times slower."""
 
     # the camera's sensor
     noise: float = 0.0

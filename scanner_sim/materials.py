@@ -39,13 +39,14 @@ MATERIALS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 dielectric coat, and diffuse ones whose albedo is an attribute given per vertex or per face."""
 
 
-def bsdf(mi: Any, config: ScannerConfig) -> Any:
+def bsdf(mi: Any, config: ScannerConfig, attributes: Attributes) -> Any:
     """The surface of a configuration, as a Mitsuba object.
 
     Raises
     ------
     InputError
-        If the material is unknown or malformed, or reflects like a mirror, so that nothing returns.
+        If the material is unknown or malformed, uses an attribute that is not given, or reflects like a
+        mirror, so that nothing returns.
     """
     material = config.material
     if isinstance(material, str):
@@ -54,6 +55,9 @@ def bsdf(mi: Any, config: ScannerConfig) -> Any:
                 f"material {material!r} is unknown; known are {', '.join(MATERIALS)}, or give a table"
             )
         material = MATERIALS[material]
+    for name in _needed(material):
+        if name not in attributes:
+            raise InputError(f"material {config.material!r} needs the attribute {name!r}; pass it to scan")
     try:
         surface = mi.load_dict(_plain(material))
     except Exception as error:  # Mitsuba raises RuntimeError, TypeError and others
@@ -67,6 +71,14 @@ def bsdf(mi: Any, config: ScannerConfig) -> Any:
             "light returns to the camera; use a rough variant"
         )
     return surface
+
+
+def _needed(material: Mapping[str, Any]) -> list[str]:
+    """Names of the attributes that a material reads."""
+    found = [str(material.get("name"))] if material.get("type") == "mesh_attribute" else []
+    return found + [
+        name for value in material.values() if isinstance(value, Mapping) for name in _needed(value)
+    ]
 
 
 def _plain(material: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """What the scanner makes of one view: intensities, peaks, points, and a verdict on every pixel."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -12,6 +13,9 @@ from scanner_sim.rays import Hits, camera_rays
 
 SATURATED_SAMPLES = 3
 """A pixel whose peak is rejected counts as saturated if this many of its samples are."""
+
+
+Indirect = Callable[[NDArray[np.int32], stripe.Swept], NDArray[np.float64]]
 
 
 class Verdict(IntEnum):
@@ -62,7 +66,7 @@ def measure(
     hits: Hits,
     config: ScannerConfig,
     rng: np.random.Generator,
-    rendered: stripe.Swept | None = None,
+    indirect: Indirect | None = None,
 ) -> Measured:
     """Fit the peak of every lit pixel of a view and triangulate it.
 
@@ -72,15 +76,12 @@ def measure(
     config
     rng
         Source of the sensor's noise.
-    rendered
-        Light of the stripes near each lit hit, if it was rendered instead of synthesised.
+    indirect
+        Gives light that arrives by more than one reflection, for pixels and their stripes.
     """
     index = np.flatnonzero(hits.radiance > 0)
     where = stripe.sheet(hits.points[index], config.baseline)
-    if rendered is None:
-        first, values = intensities(hits, index, where, config, rng)
-    else:
-        first, values = rendered.first, sensor.expose(rendered.values, rendered.values, config, rng)
+    first, values = intensities(hits, index, where, config, rng, indirect)
     return _fitted(hits, index, where, first, values, config)
 
 
@@ -90,16 +91,18 @@ def intensities(
     where: stripe.Sheet,
     config: ScannerConfig,
     rng: np.random.Generator,
+    indirect: Indirect | None = None,
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Camera intensities over time of the lit pixels: first stripe (m,) and values (m, w)."""
     amplitude = hits.radiance[index] * stripe.falloff(where, config)
-    if config.smoothing == 0:
-        swept = stripe.sweep(where, config)
-        light = swept.values * amplitude[:, None]
-    else:
-        margin = 3 * config.smoothing / config.focal
-        swept = stripe.sweep(where, config, margin)
-        light = blurred(hits.pixels[index], amplitude, where, swept, config)
+    pixels = hits.pixels[index]
+    margin = 3 * config.smoothing / config.focal + (config.wedge / 2 if indirect else 0)
+    swept = stripe.sweep(where, config, margin)
+    light = swept.values * amplitude[:, None]
+    if config.smoothing > 0:
+        light = blurred(pixels, amplitude, where, swept, config)
+    if indirect is not None:
+        light = light + indirect(pixels, swept)
     return swept.first, sensor.expose(light, swept.values, config, rng)
 
 

@@ -77,7 +77,7 @@ class Tracer:
 
     def mesh(self, mi: Any) -> Any:
         """A new Mitsuba mesh of the shape in the rig, with its material."""
-        surface = materials.bsdf(mi, self.config)
+        surface = materials.bsdf(mi, self.config, self.attributes)
         return build_mesh(mi, self.shape, self.vertices, self.config.shading, surface, self.attributes)
 
     def view(self, pose: NDArray[np.float64]) -> Hits:

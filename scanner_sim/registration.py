@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-ROUNDS = 3
+ROUNDS = 6
 SAMPLE = 2_000
 """Points of a view that are matched in each round."""
-OVERLAP = 3.0
+OVERLAP = 2.0
 """Points count as overlapping if nearer to the other views than this many times the typical distance."""
 
 

@@ -2,7 +2,7 @@
 
 import logging
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,10 +114,10 @@ class Rig:
                 "leave it out of views or close the mesh"
             )
         rng = np.random.default_rng([seed, number])
-        if self.config.bounces > 1:
-            rendered = bruteforce.sweep(self.tracer, self.poses[number], hits, seed=seed)
-            return hits, measure(hits, self.config, rng, rendered)
-        return hits, measure(hits, self.config, rng)
+        if self.config.bounces == 1:
+            return hits, measure(hits, self.config, rng)
+        indirect = partial(bruteforce.indirect, self.tracer, self.poses[number], seed=seed)
+        return hits, measure(hits, self.config, rng, indirect)
 
 
 def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:

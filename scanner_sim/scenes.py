@@ -100,8 +100,8 @@ def build_scene(mi: Any, mesh: Any, emitter: dict[str, Any] | None = None) -> An
     return mi.load_dict(scene)
 
 
-def sensor(mi: Any, config: ScannerConfig, pose: NDArray[np.float64], window: Window) -> Any:
-    """Pinhole camera with rays through pixel centres, rendering a window of the image."""
+def sensor(mi: Any, config: ScannerConfig, pose: NDArray[np.float64], window: Window, paths: int = 1) -> Any:
+    """Pinhole camera that renders a window of the image: one ray through pixel centres, or more all over."""
     flipped = pose @ np.diag([-1.0, -1.0, 1.0, 1.0])  # Mitsuba's camera has x to the left and y up
     film = {
         "type": "hdrfilm",
@@ -124,7 +124,7 @@ def sensor(mi: Any, config: ScannerConfig, pose: NDArray[np.float64], window: Wi
             "far_clip": 1e3 * config.max_range,
             "to_world": mi.ScalarTransform4f(flipped.tolist()),
             "film": film,
-            "sampler": {"type": "stratified", "jitter": False, "sample_count": 1},
+            "sampler": {"type": "stratified", "jitter": paths > 1, "sample_count": paths},
         }
     )
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from datasets_gen import InputError, Shape
+from datasets_gen import Shape
 from scanner_sim import Scan, ScannerConfig, coverage, sample, scan
 
 
@@ -92,44 +92,3 @@ def test_ideal_sample_is_complete_even_and_exact(capsule):
     assert coverage(ideal, capsule, radius=2.2 * np.sqrt(capsule.area / 3000)) == 1
     assert (ideal.view_ids == -1).all()
     assert (ideal.intensity == 1).all()
-
-
-@pytest.mark.parametrize(
-    ("setting", "word"),
-    [
-        ({"peak_threshold": 0.0}, "peak_threshold"),
-        ({"peak_threshold": 1.5}, "peak_threshold"),
-        ({"baseline": 0.0}, "baseline"),
-        ({"min_range": 300.0, "max_range": 70.0}, "max_range"),
-        ({"field_of_view": 180.0}, "field_of_view"),
-        ({"views": 0}, "views"),
-        ({"views": "dome"}, "views"),
-        ({"views": ((0, 0, 0),)}, "views"),
-        ({"stripes": 20}, "stripes"),
-    ],
-)
-def test_impossible_rigs_are_refused(setting, word):
-    with pytest.raises(InputError, match=word):
-        ScannerConfig(**setting)
-
-
-def test_unknown_settings_are_named():
-    with pytest.raises(InputError, match="treshold"):
-        ScannerConfig.from_dict({"treshold": 0.1})
-
-
-@pytest.mark.parametrize("tau", [0, -1, 1.01, float("nan")])
-def test_accept_refuses_thresholds_outside_its_range(capsule, tau):
-    with pytest.raises(InputError, match="threshold"):
-        sample(capsule, 10).accept(tau)
-
-
-def test_unusable_shapes_are_refused(capsule):
-    broken = capsule.vertices.copy()
-    broken[0] = np.nan
-    with pytest.raises(InputError, match="finite"):
-        scan(Shape(broken, capsule.faces, "a/b", "a", "b"))
-    with pytest.raises(InputError, match="faces"):
-        scan(Shape(capsule.vertices, capsule.faces[:0], "a/b", "a", "b"))
-    with pytest.raises(InputError, match="extent"):
-        scan(Shape(np.ones_like(capsule.vertices), capsule.faces, "a/b", "a", "b"))

@@ -1,0 +1,185 @@
+"""One clear line for everything that cannot be scanned."""
+
+import logging
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from datasets_gen import InputError, Shape
+from scanner_sim import ScannerConfig, coverage, preview, sample, scan
+from tests.scanner_sim.conftest import to_shape
+
+SMALL = {"views": 2, "resolution": (60, 60)}
+
+
+@pytest.mark.parametrize(
+    ("setting", "word"),
+    [
+        ({"peak_threshold": 0.0}, "peak_threshold"),
+        ({"peak_threshold": 1.5}, "peak_threshold"),
+        ({"peak_threshold": "high"}, "peak_threshold"),
+        ({"baseline": 0.0}, "baseline"),
+        ({"min_range": 300.0, "max_range": 70.0}, "max_range"),
+        ({"min_range": -1.0}, "min_range"),
+        ({"field_of_view": 180.0}, "field_of_view"),
+        ({"field_of_view": 0}, "field_of_view"),
+        ({"distortion": (-5.0, 0.0)}, "distortion"),
+        ({"views": 0}, "views"),
+        ({"views": "dome"}, "views"),
+        ({"stripes": 20}, "stripes"),
+        ({"stripes": 100.5}, "stripes"),
+        ({"resolution": (4, 4)}, "resolution"),
+        ({"resolution": 400}, "resolution"),
+        ({"bits": 17}, "bits"),
+        ({"noise": 1.5}, "noise"),
+        ({"gain": 0}, "gain"),
+        ({"exposure": float("inf")}, "exposure"),
+        ({"fit": "cubic"}, "fit"),
+        ({"normals": "voxel"}, "normals"),
+        ({"realign": 1}, "realign"),
+        ({"bounces": 2}, "bounces"),
+        ({"distance": 0.0}, "distance"),
+    ],
+)
+def test_impossible_settings_are_named(setting, word):
+    with pytest.raises(InputError, match=word) as caught:
+        ScannerConfig(**setting)
+    assert "\n" not in str(caught.value)
+
+
+def test_unknown_settings_are_named_with_the_known_ones():
+    with pytest.raises(InputError, match=r"treshold.*peak_threshold"):
+        ScannerConfig.from_dict({"treshold": 0.1})
+
+
+def test_settings_survive_toml_and_json(capsule):
+    import json
+    import tomllib
+    from dataclasses import asdict
+
+    text = (
+        'views = [[1, 0, 0], [0, 0, 1]]\nresolution = [60, 50]\nmaterial = {type = "plastic", int_ior = 1.4}'
+    )
+    config = ScannerConfig.from_dict(tomllib.loads(text))
+    assert config.views == ((1, 0, 0), (0, 0, 1))
+    assert ScannerConfig.from_dict(json.loads(json.dumps(asdict(config)))) == config
+    assert hash(config) == hash(replace(config))
+
+
+@pytest.mark.parametrize("tau", [0, -1, 1.01, float("nan")])
+def test_accept_refuses_thresholds_outside_its_range(capsule, tau):
+    with pytest.raises(InputError, match="threshold"):
+        sample(capsule, 10).accept(tau)
+
+
+def test_unusable_shapes_are_refused(capsule):
+    broken = capsule.vertices.copy()
+    broken[0] = np.nan
+    for shape, word in (
+        (replace(capsule, vertices=broken), "finite"),
+        (replace(capsule, faces=capsule.faces[:0]), "faces"),
+        (replace(capsule, vertices=np.ones_like(capsule.vertices)), "extent"),
+    ):
+        with pytest.raises(InputError, match=word):
+            scan(shape)
+
+
+def test_cameras_and_lasers_inside_the_object_are_refused():
+    bowl = to_shape(trimesh.creation.icosphere(subdivisions=3, radius=37.5))
+    with pytest.raises(InputError, match="camera of view 0 stands inside"):
+        scan(bowl, ScannerConfig(**SMALL, distance=20.0))
+    balls = [trimesh.creation.icosphere(radius=10.0) for _ in range(2)]
+    for ball, x in zip(balls, (-27.5, 27.5), strict=True):
+        ball.apply_translation([x, 0, 0])
+    between = ScannerConfig(views=((0, 0, 1),), distance=3.0, baseline=27.5, min_range=1.0)
+    with pytest.raises(InputError, match="laser of view 0 stands inside"):
+        scan(to_shape(trimesh.util.concatenate(balls)), between)
+
+
+def test_objects_outside_the_range_are_refused(capsule):
+    with pytest.raises(InputError, match=re.escape("outside the swept 70..300 mm")):
+        scan(capsule, ScannerConfig(**SMALL, distance=500.0))
+
+
+def test_a_view_that_sees_nothing_is_refused():
+    sheet = Shape(
+        np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float),
+        np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+        "a/sheet", "a", "sheet",
+    )  # fmt: skip
+    assert len(scan(sheet, ScannerConfig(views=((0, 0, 1),), resolution=(60, 60)))) > 100
+    with pytest.raises(InputError, match=r"view 1 .* sees nothing"):
+        scan(sheet, ScannerConfig(views=((0, 0, 1), (0, 0, -1)), resolution=(60, 60)))
+
+
+def test_a_threshold_that_leaves_nothing_is_refused(capsule):
+    with pytest.raises(InputError, match="no point"):
+        scan(capsule, ScannerConfig(**SMALL, material="black", peak_threshold=0.9))
+
+
+def test_a_view_that_acquires_nothing_is_logged(plate, caplog):
+    config = ScannerConfig(
+        views=((0, 0, 1), (1, 0, 0)), resolution=(60, 60), shading="flat", peak_threshold=0.9
+    )
+    with caplog.at_level(logging.WARNING):
+        found = scan(plate, config)
+    assert set(found.view_ids) == {0}
+    assert "acquired no point: [1]" in caplog.text
+
+
+def test_flipped_winding_is_detected_and_said(capsule, caplog):
+    config = ScannerConfig(**SMALL)
+    flipped = replace(capsule, faces=np.ascontiguousarray(capsule.faces[:, ::-1]))
+    with caplog.at_level(logging.WARNING):
+        found = scan(flipped, config)
+    assert "look inward" in caplog.text
+    straight = scan(capsule, config)
+    assert np.array_equal(found.points, straight.points)
+    assert np.allclose(found.normals, straight.normals)
+    assert np.allclose(flipped.at(found.face_ids, found.barycentrics), found.true_points)
+
+
+@pytest.mark.parametrize("scale", [1e-7, 1e8])
+def test_strange_units_are_scanned_alike_and_warned_of_once(capsule, caplog, scale):
+    config = ScannerConfig(**SMALL)
+    strange = replace(capsule, vertices=capsule.vertices * scale, subject=f"strange{scale}")
+    with caplog.at_level(logging.WARNING):
+        found = scan(strange, config)
+        scan(strange, config)
+    assert caplog.text.count("the rig is scaled") == 1
+    plain = scan(capsule, config)
+    assert abs(len(found) - len(plain)) <= 3
+    assert np.sqrt(((found.points - found.true_points) ** 2).sum(axis=1).mean()) * found.scale < 0.02
+
+
+def test_bad_arguments_of_helpers(capsule, tmp_path):
+    whole = sample(capsule, 100)
+    with pytest.raises(InputError, match="at least 1"):
+        sample(capsule, 0)
+    with pytest.raises(InputError, match="at least 1"):
+        whole.subsample(0)
+    with pytest.raises(InputError, match="radius"):
+        coverage(whole, capsule, radius=0)
+    with pytest.raises(InputError, match="no view"):
+        preview(capsule, tmp_path / "x.png", ScannerConfig(**SMALL), view=-1)
+
+
+def test_coverage_counts_area_not_points(plate):
+    """Only the upper side sampled: half the area of the large sides, whatever the number of points."""
+    whole = sample(plate, 4000, shading="flat")
+    upper = whole.select(whole.points[:, 2] > 2.49)
+    sides = 2 * 75 * 75 / (2 * 75 * 75 + 4 * 75 * 5)
+    assert coverage(whole, plate, radius=3.0) == 1
+    assert coverage(upper, plate, radius=2.0) == pytest.approx(sides / 2 + (1 - sides) * 2 / 5, abs=0.02)
+    assert coverage(whole.select(np.zeros(4000, bool)), plate) == 0
+
+
+def test_subsample_of_few_points_and_of_one(capsule):
+    whole = sample(capsule, 40)
+    for n in (1, 2, 39):
+        thin = whole.subsample(n, seed=1)
+        assert len(np.unique(thin.points, axis=0)) == n
+    assert len(sample(capsule, 1)) == 1
