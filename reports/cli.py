@@ -52,7 +52,7 @@ class Commands(click.Group):
         if not standalone_mode:
             return super().main(args, prog_name, complete_var, False, **extra)
         try:
-            status = super().main(args, prog_name or "medialbench", complete_var, False, **extra)
+            status = super().main(args, "medialbench", complete_var, False, **extra)
         except click.UsageError as error:
             _tell(_usage(error))
             status = error.exit_code
@@ -91,3 +91,7 @@ def cli() -> None:
 def main() -> None:
     """Entry point of the ``medialbench`` command."""
     cli.main()
+
+
+if __name__ == "__main__":
+    main()

@@ -67,7 +67,7 @@ def reason(error: Exception) -> str:
     from datasets_gen.records import InputError
 
     if isinstance(error, InputError):
-        return str(error)
+        return str(error).replace("repair=True", "--repair")
     if isinstance(error, MemoryError):
         return "out of memory; use fewer points (--points) or fewer workers (--jobs)"
     if isinstance(error, OSError) and error.strerror:
@@ -115,13 +115,15 @@ def messages(quiet: bool) -> Iterator[None]:
 
 class _Lines(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
-        remarks().print(f"{record.levelname.lower()}: {record.getMessage()}", style="yellow", markup=False)
+        remarks().print(
+            f"{record.levelname.lower()}: {record.getMessage()}", style="yellow", markup=False, soft_wrap=True
+        )
 
 
 def note(quiet: bool, text: str) -> None:
     """Say something on standard error unless quiet."""
     if not quiet:
-        remarks().print(text, markup=False, style="dim")
+        remarks().print(text, markup=False, style="dim", soft_wrap=True)
 
 
 class Bar:

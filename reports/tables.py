@@ -178,15 +178,16 @@ def text(value: object, column: Column) -> str:
 
 
 def best_cells(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> set[tuple[int, str]]:
-    """(row, column) of the best values of each group with more than one row; ties as shown count."""
+    """(row, column) of the best values of each group; ties as shown share, equal values have none."""
     found = set()
     for _, rows in table.groupby(list(group), sort=False, dropna=False):
         for column in columns:
             values = rows[column.name].dropna()
-            if column.best and len(values) > 1:
+            if column.best and len(values):
                 shown = values.astype(float).round(column.digits or 0)
                 limit = shown.min() if column.best == "low" else shown.max()
-                found |= {(row, column.name) for row in shown.index[shown == limit]}
+                if shown.nunique() > 1:
+                    found |= {(row, column.name) for row in shown.index[shown == limit]}
     return found
 
 

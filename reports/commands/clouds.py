@@ -2,7 +2,7 @@
 
 import logging
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -75,13 +75,14 @@ def read_cloud(path: Path, points: int, seed: int = 0, repair: bool = False) -> 
     if scan is None:
         scan = sample(load_mesh(path, repair=repair), points, seed)
     _check(scan, path)
+    scan = with_normals(scan, path)
     if len(scan) <= points:
         kept = np.arange(len(scan))
     else:
         start = int(np.random.default_rng(seed).integers(len(scan)))
         kept = farthest_points(scan.points, points, start)
     nearest = cKDTree(scan.points[kept]).query(scan.points)[1]
-    return FileCloud(scan.points, with_normals(scan.select(kept), path), kept, nearest)
+    return FileCloud(scan.points, scan.select(kept), kept, nearest)
 
 
 def _scan(path: Path) -> "Scan | None":
@@ -120,9 +121,14 @@ def bare_scan(points: NDArray[Any], normals: NDArray[Any] | None, name: str) -> 
 
 def with_normals(scan: "Scan", path: Path) -> "Scan":
     """The scan, with estimated normals where the file had none."""
+    from scanner_sim.normals import pca, spanning_tree
+
     if not np.isnan(scan.normals).all():
         return scan
-    raise InputError(f"{str(path)!r} has no normals; give x y z nx ny nz")
+    _log.warning(
+        "%s has no normals: estimated (PCA, signs along a spanning tree); given ones are better", path
+    )
+    return replace(scan, normals=spanning_tree(scan.points, pca(scan.points)))
 
 
 def _check(scan: "Scan", path: Path) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.console import Command, note, steps
+from reports.console import Command, Failure, note, steps
 
 if TYPE_CHECKING:
     from medial import Matching
@@ -83,9 +83,13 @@ def match(
         clouds = [read_cloud(path, points, seed, repair) for path in (source, target)]
         next(step)
         from evaluation.methods.base import Cloud
-        from evaluation.methods.registry import create
+        from evaluation.methods.registry import create, missing
 
         matcher = create(method, {})
+        if lacking := missing(method):
+            raise Failure(lacking)
+        if matcher.uses_truth:
+            raise Failure(f"method {method!r} looks at the ground truth, which files of clouds do not hold")
         sides: list[Cloud] = []
         for cloud, path in zip(clouds, (source, target), strict=True):
             next(step)

@@ -36,6 +36,18 @@ from reports.console import Command, note, steps
     help="Another setting of scanner_sim.ScannerConfig, as noise=0.1; may be repeated.",
 )
 @click.option("--repair", is_flag=True, help="Go on with the largest component and without degenerate faces.")
+@click.option(
+    "--preview",
+    type=click.Path(path_type=Path),
+    metavar="FILE.png",
+    help="Also draw a contact sheet: rig, camera, stripe, intensity, verdict on every pixel (.png or .pdf).",
+)
+@click.option(
+    "--range-images",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Also write a 16-bit range image per view, and the cameras.",
+)
 def scan(
     mesh: Path,
     out: Path,
@@ -45,6 +57,8 @@ def scan(
     seed: int,
     settings: tuple[str, ...],
     repair: bool,
+    preview: Path | None,
+    range_images: Path | None,
     quiet: bool,
 ) -> None:
     """Scan MESH (.ply, .obj or .off) with the simulated laser scanner.
@@ -52,9 +66,13 @@ def scan(
     Every point of the scan knows its face and barycentric coordinates on the mesh.
     """
     from datasets_gen import load_mesh
-    from reports.commands.paths import check_output_file
+    from reports.commands.paths import check_output_file, check_output_folder
 
     check_output_file(out, (".npz", ".ply"))
+    if preview is not None:
+        check_output_file(preview, (".png", ".pdf", ".svg"))
+    if range_images is not None:
+        check_output_folder(range_images)
     named = {"views": _number(views), "peak_threshold": peak_threshold}
     given = {name: value for name, value in named.items() if value is not None} | _parsed(settings)
     with steps(
@@ -67,16 +85,19 @@ def scan(
 
         config = scanner_sim.ScannerConfig.from_dict(given)
         next(step)
-        cloud = scanner_sim.scan(shape, config, seed)
-        missing = 1 - scanner_sim.coverage(cloud, shape)
-        acquired = len(cloud)
-        if points is not None:
-            cloud = cloud.subsample(points, seed)
+        whole = scanner_sim.scan(shape, config, seed)
+        missing = 1 - scanner_sim.coverage(whole, shape)
+        cloud = whole if points is None else whole.subsample(points, seed)
         next(step)
         cloud.save(out)
-    kept = f", {len(cloud):,} kept" if len(cloud) < acquired else ""
+        if preview is not None:
+            scanner_sim.preview(shape, preview, config, seed)
+        if range_images is not None:
+            scanner_sim.write_range_images(whole, range_images)
+    kept = f", {len(cloud):,} kept" if len(cloud) < len(whole) else ""
     note(
-        quiet, f"{acquired:,} points{kept}; {100 * missing:.1f} % of the surface is missing; written to {out}"
+        quiet,
+        f"{len(whole):,} points{kept}; {100 * missing:.1f} % of the surface is missing; written to {out}",
     )
 
 

@@ -79,7 +79,7 @@ def correspondence(pair: Pair, height: int = 420) -> Figure:
     source_camera, target_camera = (replace(camera, width=width) for camera in cameras)
     blocks = [pair.panels[i : i + PER_ROW] for i in range(0, len(pair.panels), PER_ROW)] or [()]
     columns = 1 + max(len(block) for block in blocks)
-    tall = 2.5
+    tall = 2.8
     wide = max(tall * width / height, 1.5)
     figure, grid = new_figure(2 * len(blocks), columns, wide * columns + 0.6, 2 * (tall + 0.3) * len(blocks))
     for axes in grid.flat:

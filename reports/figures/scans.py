@@ -1,7 +1,7 @@
 """What the scanner leaves: clouds of one pose at rising peak thresholds."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -40,11 +40,13 @@ def scans(rows: Sequence[tuple[str, Sequence[ScanView]]], up: int = 1, height: i
     """
     clouds = [view.points for _, views in rows for view in views]
     rotation = look_from(best_azimuth(clouds[0], up), up=up)
-    cameras = iter(frame(clouds, rotation, height))
+    framed = frame(clouds, rotation, height)
+    width = max(camera.width for camera in framed)
+    cameras = (replace(camera, width=width) for camera in framed)
     columns = max(len(views) for _, views in rows)
     shown = [[(view, next(cameras)) for view in views] for _, views in rows]
     tall = 2.3
-    wide = max(tall * max(c.width for row in shown for _, c in row) / height, 1.1)
+    wide = max(tall * width / height, 1.1)
     figure, grid = new_figure(len(rows), columns, wide * columns, (tall + 0.35) * len(rows))
     for axes, row, (name, _) in zip(grid, shown, rows, strict=True):
         for each in axes:

@@ -9,6 +9,9 @@ from matplotlib.figure import Figure
 
 from reports.figures.style import QUIET, new_figure, order_methods, series_styles, styled
 
+TICKS = 8
+"""Thresholds that are all named on the axis; more are left to the axis."""
+
 
 @styled
 def stability(table: pd.DataFrame) -> Figure:
@@ -41,7 +44,10 @@ def stability(table: pd.DataFrame) -> Figure:
             _missing(axes, part, label=axes is row[-1])
         row[0].set_ylim(0, 1.06 * float(table.loc[table["views"] == count, "eq18"].max() or 1))
         row[0].set_ylabel("medial diffusion error, Eq. 18")
+    thresholds = sorted(table["source_threshold"].unique())
     for axes in grid[-1]:
+        if len(thresholds) <= TICKS:
+            axes.set_xticks(thresholds, [f"{value:g}" for value in thresholds])
         axes.set_xlabel("peak threshold τ")
     handles, labels = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6), title="pose")

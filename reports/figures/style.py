@@ -27,13 +27,13 @@ METHODS = {
     "medial": "#d55e00",
     "heat": "#0072b2",
     "robust": "#009e73",
-    "functional_maps": "#cc79a7",
+    "functional": "#cc79a7",
     "cpd": "#e69f00",
     "geodesic": "#56b4e9",
     "rigid": "#8c8c8c",
-    "ceiling": "#24292f",
+    "truth": "#24292f",
 }
-"""Colours of the known methods (Okabe & Ito 2008), the same in every figure of every report."""
+"""Colours of methods by the beginning of their labels (Okabe & Ito 2008), the same in every report."""
 
 _SPARE = ["#882255", "#44aa99", "#ddcc77", "#332288", "#999933", "#aa4499", "#117733", "#661100"]
 _MARKERS = "osD^vP<>X*"
@@ -127,7 +127,7 @@ def order_methods(methods: Iterable[str]) -> list[str]:
 
 def _known(label: str) -> str:
     """The known method that a label begins with, such as "medial" for "medial diffusion"; empty if none."""
-    return next((name for name in METHODS if label.lower().replace(" ", "_").startswith(name)), "")
+    return next((name for name in METHODS if label.lower().startswith(name)), "")
 
 
 def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
