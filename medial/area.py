@@ -3,15 +3,18 @@ r"""Medial centres and radii (Eq. 9) and the dual area of every point (Eq. 10 an
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.spatial import ConvexHull, QhullError, cKDTree
+from scipy.spatial import cKDTree
 
+from medial.area_hull import hull_areas
 from medial.ball import candidate_ball, columns
 from medial.checks import check_cloud, check_points
 from medial.compiled import compiled, ranges, run_tasks
+from medial.similarity_tree import kd_order, leaf_spheres
 from medial.surface import surface_areas
 
 EPSILON = 1.5  # radius of Eq. 10 in units of the average sampling distance
 ROWS_PER_TASK = 512
+LEAVES_PER_TASK = 64
 
 
 def sampling_distance(points: NDArray[np.floating]) -> float:
@@ -111,37 +114,16 @@ def dual_areas(
     (n,) float64, in squared units
     """
     points = check_points(points)
-    centers = np.asarray(centers, dtype=np.float64)
-    radii = np.asarray(radii, dtype=np.float64)
-    groups = cKDTree(centers).query_ball_point(centers, EPSILON * sampling_distance(points))
-    areas = np.array(
-        [_hull_area(points[group], points[i], centers[i], radii[i]) for i, group in enumerate(groups)]
-    )
+    centers = np.ascontiguousarray(centers, dtype=np.float64)
+    radii = np.ascontiguousarray(radii, dtype=np.float64)
+    order = kd_order(centers)
+    sphere = leaf_spheres(centers[order])
+    arrays = (points[order], centers[order], radii[order], sphere, EPSILON * sampling_distance(points))
+    parts = run_tasks(hull_areas, [(*arrays, *span) for span in ranges(len(sphere), LEAVES_PER_TASK)])
+    areas = np.empty(len(points))
+    areas[order] = np.concatenate(parts)
     lost = ~(areas > 0)
     if lost.any():
-        areas[lost] = surface_areas(points, points - centers if normals is None else normals)[lost]
+        outward = points - centers if normals is None else np.asarray(normals, dtype=np.float64)
+        areas[lost] = surface_areas(points, outward)[lost]
     return areas
-
-
-def _hull_area(
-    members: NDArray[np.float64], point: NDArray[np.float64], center: NDArray[np.float64], radius: float
-) -> float:
-    """A third of the area of the hull triangles at `point`; NaN where there is none."""
-    if len(members) < 4:
-        return np.nan
-    own = int(np.flatnonzero((members == point).all(axis=1))[0])
-    for cloud in (members, _on_ball(members, center, radius)):
-        try:
-            hull = ConvexHull(cloud)
-        except QhullError:
-            continue
-        corners = cloud[hull.simplices[(hull.simplices == own).any(axis=1)]]
-        if len(corners):
-            cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-            return float(np.linalg.norm(cross, axis=1).sum() / 6)
-    return np.nan
-
-
-def _on_ball(members: NDArray[np.float64], center: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
-    offsets = members - center
-    return center + radius * offsets / np.linalg.norm(offsets, axis=1, keepdims=True)

@@ -59,6 +59,7 @@ class Diffusion:
         *,
         surface: bool = False,
         surface_modes: int = 200,
+        start: "Diffusion | None" = None,
         **settings: Any,
     ) -> "Diffusion":
         """Build an operator on a cloud and take its smallest modes.
@@ -80,6 +81,8 @@ class Diffusion:
             Also build the companion surface basis.
         surface_modes
             Eigenpairs of the companion; at most a quarter of the points.
+        start
+            A similar operator on the same points (another eta, say): its modes start the search for these.
         **settings
             Further fields of `medial.operators.Operator`: sigma_e, sigma_t, cutoff, ...
 
@@ -93,7 +96,8 @@ class Diffusion:
         if surface:
             few = min(surface_modes, len(points) // 4)
             companion = cls._of(build(points, normals, Operator(operator="robust", modes=few)))
-        return cls._of(build(points, normals, config), companion)
+        warm = None if start is None else start.eigenfunctions
+        return cls._of(build(points, normals, config, warm), companion)
 
     @classmethod
     def _of(cls, basis: Basis, surface: "Diffusion | None" = None) -> "Diffusion":

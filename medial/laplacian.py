@@ -1,63 +1,66 @@
 """Gaussian weights alpha, the combination of Eqs. 14-15 and the symmetric problem of Eq. 8."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.sparse import csr_array, diags_array
 from scipy.spatial import cKDTree
 
 from medial.checks import check_points
+from medial.compiled import thread_count
+from medial.sparse import symmetric
 
-BANDWIDTH = 4.0  # h of the Gaussian in squared sampling distances
+BANDWIDTH = 3.0  # h of the Gaussian in areas per point: about (twice the mean nearest distance)^2
 SMALLEST_WEIGHT = 1e-3  # Gaussian weights below this are dropped beyond the nearest neighbours
 NEAREST = 8  # neighbours every point keeps
+REACHED = 64  # pi * BANDWIDTH * ln(1 / SMALLEST_WEIGHT): neighbours with larger weights
 
 
-def gaussian_weights(
-    points: NDArray[np.floating], spacing: float | None = None, nearest: int = NEAREST
-) -> csr_array:
-    """Gaussian weights alpha = exp(-|p - q|^2 / h), h = 4 squared sampling distances [BSW09].
+class Gaussian(NamedTuple):
+    """Gaussian weights of a cloud.
+
+    Attributes
+    ----------
+    weights : (n, n) csr_array
+        alpha, symmetric to the bit, zero diagonal.
+    bandwidths : (nnz,) float64
+        h of each entry of `weights`, in squared units.
+    """
+
+    weights: csr_array
+    bandwidths: NDArray[np.float64]
+
+
+def gaussian_weights(points: NDArray[np.floating], areas: NDArray[np.floating]) -> Gaussian:
+    """Gaussian weights alpha = exp(-|p - q|^2 / h) [BSW09].
+
+    The bandwidth follows the sampling: h is three times the area that the two points stand for (geometric mean),
+    and at least large enough to reach the eight nearest neighbours, which every point keeps, so that no point is
+    isolated. On a uniform cloud h is constant, about the square of twice the mean nearest distance.
 
     Parameters
     ----------
     points : (n, 3)
-    spacing
-        Sampling distance, in the units of `points`; by default sqrt(area per point) is approximated by the
-        mean distance to the nearest neighbour.
-    nearest
-        Every point keeps at least this many neighbours, at their distance's bandwidth.
-
-    Returns
-    -------
-    (n, n) float64 csr_array
-        Symmetric to the bit, zero diagonal.
+    areas : (n,)
+        Surface area of each point (`medial.surface_areas`).
     """
     points = check_points(points)
     n = len(points)
-    nearest = min(nearest, n - 1)
-    tree = cKDTree(points)
-    distances, neighbours = tree.query(points, k=nearest + 1)
-    if spacing is None:
-        spacing = float(distances[:, 1].mean())
-    h = BANDWIDTH * spacing**2
-    close = tree.query_pairs(np.sqrt(h * -np.log(SMALLEST_WEIGHT)), output_type="ndarray")
-    kept = np.column_stack([np.repeat(np.arange(n), nearest), neighbours[:, 1:].ravel()])
-    kept.sort(axis=1)
-    pairs = np.unique(np.concatenate([close, kept[kept[:, 0] != kept[:, 1]]]), axis=0)
-    i, j = pairs[:, 0], pairs[:, 1]
-    square = ((points[i] - points[j]) ** 2).sum(axis=1)
-    local = np.maximum(h, distances[i, -1] * distances[j, -1])
-    alpha = np.exp(-square / local)
-    return mirrored(i, j, alpha, n)
-
-
-def mirrored(
-    i: NDArray[np.integer], j: NDArray[np.integer], values: NDArray[np.float64], n: int
-) -> csr_array:
-    """The symmetric (n, n) matrix with `values` at (i, j) and (j, i)."""
-    rows, cols = np.concatenate([i, j]), np.concatenate([j, i])
-    matrix = csr_array(coo_array((np.concatenate([values, values]), (rows, cols)), shape=(n, n)).tocsr())
-    matrix.sort_indices()
-    return matrix
+    nearest, reached = min(NEAREST, n - 1), min(REACHED, n - 1)
+    distances, neighbours = cKDTree(points).query(points, k=reached + 1, workers=thread_count())
+    smooth = areas[neighbours[:, : nearest + 1]].mean(axis=1)
+    rows = np.repeat(np.arange(n), reached)
+    cols = neighbours[:, 1:].ravel()
+    far = distances[:, nearest]
+    h = np.maximum(BANDWIDTH * np.sqrt(smooth[rows] * smooth[cols]), far[rows] * far[cols])
+    alpha = np.exp(-(distances[:, 1:].ravel() ** 2) / h)
+    kept = (alpha >= SMALLEST_WEIGHT) | (np.tile(np.arange(reached), n) < nearest)
+    kept &= rows != cols
+    low, high = np.minimum(rows, cols)[kept], np.maximum(rows, cols)[kept]
+    _, first = np.unique(low * n + high, return_index=True)
+    low, high, alpha, h = low[first], high[first], alpha[kept][first], h[kept][first]
+    return Gaussian(symmetric(low, high, alpha, n), symmetric(low, high, h, n).data)
 
 
 def degrees(weights: csr_array, areas: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -65,7 +68,13 @@ def degrees(weights: csr_array, areas: NDArray[np.float64]) -> NDArray[np.float6
     return np.asarray(weights @ areas) - weights.diagonal() * areas
 
 
-def combine(phi: csr_array, alpha: csr_array, areas: NDArray[np.float64], eta: float = 0.5) -> csr_array:
+def combine(
+    phi: csr_array,
+    alpha: csr_array,
+    areas: NDArray[np.float64],
+    eta: float = 0.5,
+    rates: NDArray[np.float64] | float = 1.0,
+) -> csr_array:
     """Normalised combination sigma of medial and Gaussian weights (Eqs. 14-15).
 
     Parameters
@@ -76,22 +85,38 @@ def combine(phi: csr_array, alpha: csr_array, areas: NDArray[np.float64], eta: f
         Dual areas.
     eta
         Share of the Gaussian weights, in [0, 1].
+    rates : (nnz,) or float
+        Factors of the entries of `alpha` after normalisation; see `diffusion_rates`.
 
     Returns
     -------
     (n, n) csr_array
         A point of zero degree in one of the two keeps only the other.
     """
-    return csr_array((1 - eta) * _normalised(phi, areas) + eta * _normalised(alpha, areas))
+    surface = normalised(alpha, areas)
+    surface.data *= rates
+    return csr_array((1 - eta) * normalised(phi, areas) + eta * surface)
 
 
-def _normalised(weights: csr_array, areas: NDArray[np.float64]) -> csr_array:
+def diffusion_rates(
+    bandwidths: NDArray[np.float64], total_area: float, reference_points: float
+) -> NDArray[np.float64]:
+    """Factors that make the Gaussian part of Eq. 15 diffuse as it does on a cloud of the reference size.
+
+    Normalised by its degree, a Gaussian of bandwidth h diffuses h / 4 per unit of time, so a finer cloud with its
+    smaller h would diffuse more slowly. The factor h_ref / h undoes that, with h_ref the bandwidth at
+    `reference_points` points on `total_area`.
+    """
+    return BANDWIDTH * total_area / reference_points / bandwidths
+
+
+def normalised(weights: csr_array, areas: NDArray[np.float64]) -> csr_array:
+    """w_ij / sqrt(d_i d_j) with the degrees of Eq. 14; rows of zero degree stay zero."""
     degree = degrees(weights, areas)
     scale = np.where(degree > 0, 1 / np.sqrt(np.where(degree > 0, degree, 1)), 0)
-    scaled = weights.copy()
     rows = np.repeat(np.arange(len(areas)), np.diff(weights.indptr))
-    scaled.data = weights.data * (scale[rows] * scale[weights.indices])
-    return scaled
+    data = weights.data * (scale[rows] * scale[weights.indices])
+    return csr_array((data, weights.indices, weights.indptr), shape=weights.shape)
 
 
 def laplacian(weights: csr_array, areas: NDArray[np.float64]) -> csr_array:
@@ -100,8 +125,6 @@ def laplacian(weights: csr_array, areas: NDArray[np.float64]) -> csr_array:
     ``S psi = lambda A psi`` with A = diag(areas) is the symmetric form of Eq. 8.
     """
     rows = np.repeat(np.arange(len(areas)), np.diff(weights.indptr))
-    scaled = csr_array(
-        (weights.data * (areas[rows] * areas[weights.indices]), weights.indices, weights.indptr)
-    )
-    scaled = csr_array(scaled)
+    data = weights.data * (areas[rows] * areas[weights.indices])
+    scaled = csr_array((data, weights.indices, weights.indptr), shape=weights.shape)
     return csr_array(diags_array(np.asarray(scaled.sum(axis=1))) - scaled)

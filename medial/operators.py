@@ -1,20 +1,26 @@
 """From a cloud to the modes of an operator: one function per operator, one configuration for all."""
 
+import logging
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from datasets_gen.records import InputError
 from medial.area import dual_areas, medial_axis
-from medial.checks import check_cloud
+from medial.checks import check_cloud, check_points
 from medial.heat import heat_laplacian
-from medial.laplacian import combine, gaussian_weights, laplacian
+from medial.laplacian import combine, diffusion_rates, gaussian_weights, laplacian
+from medial.normals import check_normals, estimate_normals
 from medial.robust import tufted_laplacian
 from medial.similarity import similarity
-from medial.spectrum import smallest_modes, sparse_modes
+from medial.similarity_tree import kd_order
+from medial.spectrum import Modes, smallest_modes, sparse_modes
 from medial.surface import REFERENCE_POINTS, density_weights, surface_areas
+
+log = logging.getLogger(__name__)
 
 OPERATORS = ("medial", "heat", "robust")
 
@@ -74,39 +80,130 @@ class Basis:
     parameters: dict[str, Any]
 
 
-def build(points: NDArray[np.floating], normals: NDArray[np.floating] | None, config: Operator) -> Basis:
+def build(
+    points: NDArray[np.floating],
+    normals: NDArray[np.floating] | None,
+    config: Operator,
+    start: NDArray[np.float64] | None = None,
+) -> Basis:
     """Build the operator of a cloud and take its modes.
+
+    Points at the same place count as one while the operator is built; each of them gets its share of the area.
+
+    Parameters
+    ----------
+    points : (n, 3)
+    normals : (n, 3) or None
+        Outward normals; None estimates them.
+    config
+        Settings.
+    start : (n, k), optional
+        Eigenfunctions of a similar operator on the same points: a warm start for the modes.
 
     Raises
     ------
     InputError
         If the cloud cannot carry the operator.
     """
-    if normals is None:
-        raise InputError("normals are missing; give outward normals")
-    points, normals = check_cloud(points, normals)
-    if config.modes >= len(points):
+    given = check_points(points)
+    places, which, copies = np.unique(given, axis=0, return_inverse=True, return_counts=True)
+    which = which.ravel()
+    if len(places) < len(given):
+        log.info("%d of %d points coincide with another: merged", len(given) - len(places), len(given))
+    check_points(places)
+    if config.modes >= len(places):
         raise InputError(
-            f"{config.modes} modes asked of {len(points)} points; ask for fewer or give more points"
+            f"{config.modes} modes asked of {len(places)} points; ask for fewer or give more points"
         )
+    if normals is None:
+        log.warning("normals are missing: estimated from the points and oriented along a spanning tree")
+        merged = estimate_normals(places)
+    else:
+        merged = check_normals(places, _merged_normals(check_cloud(given, normals)[1], which, len(places)))
+    order = kd_order(places)
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    back = place[which]  # where each given point is in the sorted cloud
+    warm = None if start is None else start[np.unique(which, return_index=True)[1]][order]
+    parts = _build(places[order], merged[order], config, warm)
+    return Basis(
+        given,
+        merged[which],
+        parts.areas[back] / copies[which],
+        parts.modes.eigenvalues,
+        parts.modes.eigenfunctions[back],
+        parts.centers[back],
+        parts.radii[back],
+        config.operator,
+        asdict(config) | {"residual": parts.modes.residual},
+    )
+
+
+def _merged_normals(
+    normals: NDArray[np.float64], which: NDArray[np.integer], count: int
+) -> NDArray[np.float64]:
+    """Mean direction of the normals at every place; the first of them where they cancel."""
+    total = np.zeros((count, 3))
+    np.add.at(total, which, normals)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    first = np.empty(count, dtype=np.int64)
+    first[which[::-1]] = np.arange(len(which))[::-1]
+    return np.where(length > 1e-6, total / np.maximum(length, 1e-6), normals[first])
+
+
+@dataclass(frozen=True)
+class _Parts:
+    areas: NDArray[np.float64]
+    modes: Modes
+    centers: NDArray[np.float64]
+    radii: NDArray[np.float64]
+
+
+def _build(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    config: Operator,
+    start: NDArray[np.float64] | None,
+) -> _Parts:
     centers, radii = points, np.zeros(len(points))
     if config.operator == "robust":
         stiffness, areas = tufted_laplacian(points)
-        values, functions = sparse_modes(stiffness, areas, config.modes)
-    elif config.operator == "heat":
-        areas = surface_areas(points, normals)
-        values, functions = smallest_modes(
-            heat_laplacian(points, areas), areas, config.modes, config.tolerance
-        )
+        return _Parts(areas, sparse_modes(stiffness, areas, config.modes), centers, radii)
+    areas = surface_areas(points, normals)
+    if config.operator == "heat":
+        stiffness = heat_laplacian(points, areas)
     else:
-        surface = surface_areas(points, normals)
-        weights = None
-        if config.reference_points is not None:
-            weights = density_weights(surface, config.reference_points)
-        phi = similarity(points, normals, config.sigma_e, config.sigma_t, config.cutoff, weights=weights)
-        centers, radii = medial_axis(points, normals, phi)
-        areas = dual_areas(points, centers, radii, normals)
-        if config.eta is not None:
-            phi = combine(phi, gaussian_weights(points), areas, config.eta)
-        values, functions = smallest_modes(laplacian(phi, areas), areas, config.modes, config.tolerance)
-    return Basis(points, normals, areas, values, functions, centers, radii, config.operator, asdict(config))
+        weights, areas, centers, radii = medial_weights(points, normals, areas, config)
+        stiffness = laplacian(weights, areas)
+    modes = smallest_modes(stiffness, areas, config.modes, config.tolerance, start)
+    return _Parts(areas, modes, centers, radii)
+
+
+def medial_weights(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    surface: NDArray[np.float64],
+    config: Operator,
+) -> tuple[csr_array, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Weights of the medial Laplacian (phi, or sigma of Eq. 15), dual areas, medial centres and radii.
+
+    Parameters
+    ----------
+    points, normals : (n, 3)
+    surface : (n,)
+        Surface areas (`medial.surface_areas`).
+    config
+        Settings.
+    """
+    reference = config.reference_points
+    mass = None if reference is None else density_weights(surface, reference)
+    phi = similarity(points, normals, config.sigma_e, config.sigma_t, config.cutoff, weights=mass)
+    if phi.nnz == 0:
+        log.warning("no two points share a medial ball (a flat cloud?): only the Gaussian weights act")
+    centers, radii = medial_axis(points, normals, phi)
+    areas = dual_areas(points, centers, radii, normals)
+    if config.eta is None:
+        return phi, areas, centers, radii
+    alpha, bandwidths = gaussian_weights(points, surface)
+    rates = 1.0 if reference is None else diffusion_rates(bandwidths, float(surface.sum()), reference)
+    return combine(phi, alpha, areas, config.eta, rates), areas, centers, radii

@@ -122,27 +122,40 @@ def _select(key: Any, order: Any, low: int, high: int, middle: int) -> None:
 
 
 @compiled()
+def leaf_spheres(points: Any) -> Any:
+    """Centre and radius of a sphere around every eight points, (leaves, 4)."""
+    n = len(points)
+    spheres = np.zeros(((n + LEAF - 1) // LEAF, 4))
+    for leaf in range(len(spheres)):
+        start, stop = leaf * LEAF, min(leaf * LEAF + LEAF, n)
+        for axis in range(3):
+            spheres[leaf, axis] = 0.5 * (points[start:stop, axis].min() + points[start:stop, axis].max())
+        square = 0.0
+        for k in range(start, stop):
+            square = max(square, ((points[k] - spheres[leaf, :3]) ** 2).sum())
+        spheres[leaf, 3] = np.sqrt(square)
+    return spheres
+
+
+@compiled()
 def _bounds(points: Any, normals: Any, mass: Any) -> Any:
     n = len(points)
-    count = (n + LEAF - 1) // LEAF
-    spheres = np.zeros((count, 4))
+    spheres = leaf_spheres(points)
+    count = len(spheres)
     cones = np.zeros((count, 5))
     weights = np.zeros(count)
     for leaf in range(count):
         start, stop = leaf * LEAF, min(leaf * LEAF + LEAF, n)
         length = 0.0
         for axis in range(3):
-            spheres[leaf, axis] = 0.5 * (points[start:stop, axis].min() + points[start:stop, axis].max())
             cones[leaf, axis] = normals[start:stop, axis].sum()
             length += cones[leaf, axis] ** 2
         if length > 0:
             cones[leaf, :3] /= np.sqrt(length)
-        square, cosine = 0.0, 1.0
+        cosine = 1.0
         for k in range(start, stop):
-            square = max(square, ((points[k] - spheres[leaf, :3]) ** 2).sum())
             cosine = min(cosine, (normals[k] * cones[leaf, :3]).sum())
             weights[leaf] += mass[k]
-        spheres[leaf, 3] = np.sqrt(square)
         cones[leaf, 3] = cosine if cosine > 0 else -1.0
         cones[leaf, 4] = np.sqrt(1.0 - cosine * cosine) if cosine > 0 else 0.0
     return spheres, cones, weights

@@ -1,80 +1,142 @@
 """The smallest modes of S psi = lambda A psi."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array, diags_array, eye_array
+from scipy.linalg import eigh
+from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import eigsh
+from threadpoolctl import threadpool_limits
 
 from datasets_gen.records import InputError
+from medial.spectrum_lanczos import filtered_lanczos
+
+DENSE_POINTS = 1200  # up to here, and below four points per mode, a dense solver is faster
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Smallest eigenpairs.
+
+    Attributes
+    ----------
+    eigenvalues : (k,) float64
+        Ascending, >= 0.
+    eigenfunctions : (n, k) float64
+        ``psi.T @ A @ psi == I``; the sign makes the entry of largest magnitude positive.
+    residual : float
+        Largest ``|M v - lambda v|`` of the symmetric form M = A^-1/2 S A^-1/2, relative to its largest eigenvalue.
+    """
+
+    eigenvalues: NDArray[np.float64]
+    eigenfunctions: NDArray[np.float64]
+    residual: float
 
 
 def smallest_modes(
-    stiffness: csr_array, areas: NDArray[np.float64], modes: int, tolerance: float = 1e-6
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The `modes` smallest eigenpairs of ``S psi = lambda A psi``, ``psi.T @ A @ psi = I``.
+    stiffness: csr_array,
+    areas: NDArray[np.float64],
+    modes: int,
+    tolerance: float = 1e-6,
+    start: NDArray[np.float64] | None = None,
+) -> Modes:
+    """The `modes` smallest eigenpairs of ``S psi = lambda A psi`` (Chebyshev-filtered block Lanczos).
+
+    Constant functions on connected components are known exactly, so they are not searched for: the cloud may have
+    any number of components.
 
     Parameters
     ----------
     stiffness : (n, n) csr_array
-        Symmetric, positive semidefinite S.
+        Symmetric, positive semidefinite S with zero row sums.
     areas : (n,)
-        Diagonal of A.
+        Diagonal of A, positive.
     modes
         How many.
     tolerance
-        Residual relative to the largest eigenvalue.
-
-    Returns
-    -------
-    eigenvalues : (modes,) float64, ascending
-    eigenfunctions : (n, modes) float64
+        Largest residual relative to the largest eigenvalue.
+    start : (n, j), optional
+        Eigenfunctions of a similar operator on the same points: a warm start.
 
     Raises
     ------
     InputError
-        If there are fewer points than modes.
+        If there are not more points than modes.
     """
     n = len(areas)
-    if modes >= n:
-        raise InputError(f"{modes} modes asked of {n} points; ask for fewer than {n} or give more points")
+    _check(modes, n)
     scale = 1 / np.sqrt(areas)
     matrix = symmetric_form(stiffness, scale)
-    if n <= 1000:
-        values, vectors = np.linalg.eigh(matrix.toarray())
-        values, vectors = values[:modes], vectors[:, :modes]
-    else:
-        top = float(abs(matrix).sum(axis=1).max())
-        shifted = csr_array(top * eye_array(n, format="csr") - matrix)
-        start = np.random.default_rng(0).standard_normal(n)
-        values, vectors = eigsh(shifted, k=modes, which="LA", tol=tolerance, v0=start, ncv=2 * modes)
-        values = top - values
-        order = np.argsort(values)
-        values, vectors = values[order], vectors[:, order]
-    return np.maximum(values, 0), vectors * scale[:, None]
+    constants = _constants(matrix, 1 / scale, modes)
+    with threadpool_limits(1, user_api="blas"):
+        if n <= max(DENSE_POINTS, 4 * modes):
+            return _dense(matrix, scale, modes)
+        if len(constants.T) == modes:
+            return _finish(np.zeros(modes), constants, scale, 0.0)
+        warm = None if start is None else start / scale[:, None]
+        values, vectors, residual = filtered_lanczos(matrix, modes - len(constants.T), constants, tolerance, warm)
+    values = np.concatenate([np.zeros(len(constants.T)), values])
+    return _finish(values, np.concatenate([constants, vectors], axis=1), scale, residual)
 
 
-def sparse_modes(
-    stiffness: csr_array, areas: NDArray[np.float64], modes: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """As `smallest_modes`, by factorising: for matrices with a few entries per row, such as surface Laplacians."""
+def sparse_modes(stiffness: csr_array, areas: NDArray[np.float64], modes: int) -> Modes:
+    """As `smallest_modes`, by factorising: for a few entries per row, and eigenvalues of any spread.
+
+    Raises
+    ------
+    InputError
+        If there are not more points than modes.
+    """
     n = len(areas)
-    if modes >= n:
-        raise InputError(f"{modes} modes asked of {n} points; ask for fewer than {n} or give more points")
+    _check(modes, n)
     scale = 1 / np.sqrt(areas)
-    matrix = csc_array(symmetric_form(stiffness, scale))
-    if n <= 1000:
-        values, vectors = np.linalg.eigh(matrix.toarray())
-        values, vectors = values[:modes], vectors[:, :modes]
-    else:
-        shift = -1e-3 * float(matrix.diagonal().mean()) / n
-        start = np.random.default_rng(0).standard_normal(n)
-        values, vectors = eigsh(matrix, k=modes, sigma=shift, which="LM", v0=start)
+    matrix = symmetric_form(stiffness, scale)
+    with threadpool_limits(1, user_api="blas"):
+        if n <= DENSE_POINTS:
+            return _dense(matrix, scale, modes)
+        shift = -1e-6 * float(np.median(matrix.diagonal()))
+        values, vectors = eigsh(
+            csc_array(matrix), k=modes, sigma=shift, which="LM", v0=np.random.default_rng(0).standard_normal(n)
+        )
         order = np.argsort(values)
         values, vectors = values[order], vectors[:, order]
-    return np.maximum(values, 0), vectors * scale[:, None]
+        top = float(abs(matrix).sum(axis=1).max())
+        residual = np.linalg.norm(matrix @ vectors - vectors * values, axis=0).max() / top
+    return _finish(values, vectors, scale, float(residual))
 
 
 def symmetric_form(stiffness: csr_array, scale: NDArray[np.float64]) -> csr_array:
     """A^-1/2 S A^-1/2 for scale = A^-1/2."""
-    left = diags_array(scale)
-    return csr_array(left @ stiffness @ left)
+    matrix = csr_array(stiffness).astype(np.float64, copy=True)
+    rows = np.repeat(np.arange(len(scale)), np.diff(matrix.indptr))
+    matrix.data *= scale[rows] * scale[matrix.indices]
+    return matrix
+
+
+def _check(modes: int, n: int) -> None:
+    if not 0 < modes < n:
+        raise InputError(f"{modes} modes asked of {n} points; ask for 1 to {n - 1} or give more points")
+
+
+def _constants(matrix: csr_array, root: NDArray[np.float64], modes: int) -> NDArray[np.float64]:
+    """Normalised sqrt(a) on each connected component, the largest first; at most `modes` of them, (n, c)."""
+    count, labels = connected_components(matrix, directed=False)
+    largest = np.argsort(-np.bincount(labels, weights=root**2, minlength=count), kind="stable")[:modes]
+    vectors = np.where(labels[:, None] == largest, root[:, None], 0.0)
+    return vectors / np.linalg.norm(vectors, axis=0)
+
+
+def _dense(matrix: csr_array, scale: NDArray[np.float64], modes: int) -> Modes:
+    values, vectors = eigh(matrix.toarray(), subset_by_index=(0, modes - 1))
+    return _finish(values, vectors, scale, 0.0)
+
+
+def _finish(
+    values: NDArray[np.float64], vectors: NDArray[np.float64], scale: NDArray[np.float64], residual: float
+) -> Modes:
+    functions = vectors * scale[:, None]
+    largest = functions[np.abs(functions).argmax(axis=0), np.arange(len(values))]
+    functions *= np.where(largest < 0, -1.0, 1.0)
+    return Modes(np.maximum(values, 0.0), functions, residual)

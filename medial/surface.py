@@ -5,12 +5,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from medial.checks import check_cloud
-from medial.compiled import compiled, ranges, run_tasks
+from medial.compiled import compiled, ranges, run_tasks, thread_count
 
 NEIGHBOURS = 24
 RING = 6  # neighbours whose mean distance bounds the cell
 SIDES = 16
-LARGEST_CELL = 3.0  # no cell reaches farther than this many typical distances: an outlier stands for little
+LARGEST_CELL = 1.5  # in the median reach of the neighbours: an outlier stands for little
 REFERENCE_POINTS = 17_500  # middle of the paper's 15,000-20,000
 ROWS_PER_TASK = 2048
 
@@ -19,8 +19,8 @@ def surface_areas(points: NDArray[np.floating], normals: NDArray[np.floating]) -
     """Area of every point's Voronoi cell among its neighbours projected to its tangent plane [BSW09].
 
     Neighbours whose normals point the other way lie on another sheet and do not count. A cell reaches at most
-    the mean distance of the six nearest neighbours, and three times the median of that over the cloud, which
-    closes the cells at the rim of a hole and of stray points.
+    the mean distance of the six nearest neighbours, and 1.5 times the median of that over the neighbourhood: this
+    closes the cells of points at the rim of a hole, and of stray points.
 
     Parameters
     ----------
@@ -32,10 +32,9 @@ def surface_areas(points: NDArray[np.floating], normals: NDArray[np.floating]) -
     """
     points, normals = check_cloud(points, normals)
     count = min(NEIGHBOURS + 1, len(points))
-    distances, neighbours = cKDTree(points).query(points, k=count)
-    near = distances[:, 1 : RING + 1]
-    reach = near.mean(axis=1)
-    reach = np.minimum(reach, LARGEST_CELL * np.median(reach))
+    distances, neighbours = cKDTree(points).query(points, k=count, workers=thread_count())
+    reach = distances[:, 1 : RING + 1].mean(axis=1)
+    reach = np.minimum(reach, LARGEST_CELL * np.median(reach[neighbours[:, 1:]], axis=1))
     tasks = [(points, normals, neighbours, reach, *span) for span in ranges(len(points), ROWS_PER_TASK)]
     return np.concatenate(run_tasks(_cells, tasks))
 
