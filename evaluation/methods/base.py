@@ -55,15 +55,19 @@ class Cloud:
 class Method:
     """Base class; the fields of a subclass are its options, settable from TOML.
 
-    Subclasses set the class variables and implement `match`. Everything random draws from the seed.
+    Subclasses set what they need (`operators`, `requires`, `uses_truth`) and implement `match`.
+    Everything random draws from the seed.
     """
 
-    operators: ClassVar[tuple[str, ...]] = ()
-    """Operators it needs on both clouds: ``"medial"``, ``"heat"``, ``"robust"``; built once and shared."""
     requires: ClassVar[Mapping[str, str]] = {}
     """Optional packages: import name to the argument of ``pip install``."""
     uses_truth: ClassVar[bool] = False
     """Whether it looks at the ground truth (ceilings do)."""
+
+    @property
+    def operators(self) -> tuple[str, ...]:
+        """Operators it needs on both clouds: ``"medial"``, ``"heat"``, ``"robust"``; shared."""
+        return ()
 
     @classmethod
     def from_options(cls, options: Mapping[str, Any]) -> "Method":

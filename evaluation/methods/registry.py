@@ -18,6 +18,12 @@ METHODS: dict[str, str] = {
     "medial": "evaluation.methods.spectral:Medial",
     "heat": "evaluation.methods.spectral:Heat",
     "robust": "evaluation.methods.spectral:Robust",
+    "truth-landmarks": "evaluation.methods.ceiling:TruthLandmarks",
+    "rigid": "evaluation.methods.rigid:RigidNearest",
+    "geodesic-graph": "evaluation.methods.geodesic_graph:GeodesicGraph",
+    "functional-maps": "evaluation.methods.functional:FunctionalMaps",
+    "cpd": "evaluation.methods.cpd:CoherentPointDrift",
+    "external": "evaluation.methods.external:External",
 }
 """Name in tables and TOML files, and where the class is: imported only when it is used."""
 

@@ -2,21 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from datasets_gen.records import InputError
 from evaluation.methods.base import Cloud, Method
+from evaluation.settings import reject_unknown
 from medial import MatchConfig, Matching, match
 
 CONFIGS = {"default": MatchConfig, "paper": MatchConfig.paper}
+OPERATORS = ("medial", "heat", "robust")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spectral(Method):
     """Landmarks, extrapolation and refinement of `medial.match`, in the modes of one operator."""
 
-    operator: ClassVar[str]
-
+    operator: str = "medial"
+    """``"medial"`` (the paper), ``"heat"`` (Gaussian weights [BSW09], so heat kernel matching [OMMG10]) or
+    ``"robust"`` (the tufted Laplacian [Sharp & Crane 2020])."""
     config: str = "default"
     """``"default"`` (the best measured) or ``"paper"`` (Sec. 4 as written)."""
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -24,7 +27,13 @@ class Spectral(Method):
 
     def __post_init__(self) -> None:
         """Check the settings now, not hours into a sweep."""
+        reject_unknown([self.operator], OPERATORS, "method", "operator")
         self.match_config()
+
+    @property
+    def operators(self) -> tuple[str, ...]:
+        """The one whose modes it works in."""
+        return (self.operator,)
 
     def match_config(self) -> MatchConfig:
         """The settings of the matcher."""
@@ -39,22 +48,20 @@ class Spectral(Method):
         )
 
 
+@dataclass(frozen=True, kw_only=True)
 class Medial(Spectral):
     """The paper's method: medial diffusion."""
 
-    operator = "medial"
-    operators = ("medial",)
 
-
+@dataclass(frozen=True, kw_only=True)
 class Heat(Spectral):
-    """Heat kernel matching [OMMG10], Gaussian weights [BSW09], the same landmark search and refinement."""
+    """Heat kernel matching [OMMG10], given the same landmark search and refinement."""
 
-    operator = "heat"
-    operators = ("heat",)
+    operator: str = "heat"
 
 
+@dataclass(frozen=True, kw_only=True)
 class Robust(Spectral):
-    """The same on the tufted Laplacian of point clouds [Sharp & Crane 2020]."""
+    """The same on the tufted Laplacian of point clouds."""
 
-    operator = "robust"
-    operators = ("robust",)
+    operator: str = "robust"

@@ -34,11 +34,12 @@ def plane(n=12):
 
 
 def blob(subdivisions=4, bend=0.0, pose="rest"):
-    """An ellipsoid with a horn, bent by an angle per unit length: poses of one subject."""
+    """A body with two horns and no symmetry, bent by an angle per unit length: poses of one subject."""
     v = np.array(trimesh.creation.icosphere(subdivisions=subdivisions).vertices)
     faces = trimesh.creation.icosphere(subdivisions=subdivisions).faces
-    v *= [1.0, 0.5, 0.6]
-    v[:, 1] += 0.5 * np.exp(-8 * ((v[:, 0] - 0.5) ** 2 + v[:, 2] ** 2)) * (v[:, 1] > 0)
+    v *= [1.3, 0.5, 0.35]
+    v[:, 1] += 0.6 * np.exp(-12 * ((v[:, 0] - 0.7) ** 2 + v[:, 2] ** 2)) * (v[:, 1] > 0)
+    v[:, 2] += 0.4 * np.exp(-12 * ((v[:, 0] + 0.3) ** 2 + v[:, 1] ** 2)) * (v[:, 2] > 0)
     if bend:
         angle = bend * v[:, 0]
         radius = 1 / bend - v[:, 1]

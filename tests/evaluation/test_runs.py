@@ -164,7 +164,7 @@ def test_a_scheduler_that_is_not_there(small, tmp_path):
 def test_unknown_poses_and_methods_are_named(small, tmp_path, blobs):
     with pytest.raises(InputError, match="unknown method 'medal'; did you mean 'medial'"):
         preview(small(method=[{"name": "medal"}]), tmp_path)
-    with pytest.raises(InputError, match="unknown data set .* 'humn'; did you mean 'human'"):
+    with pytest.raises(InputError, match=r"unknown data set .* 'humn'; did you mean 'human'"):
         run(small(dataset=[{"name": "humn"}]), tmp_path / "none")
     assert not (tmp_path / "none").exists()
 

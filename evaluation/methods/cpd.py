@@ -1,0 +1,52 @@
+"""Coherent point drift [Myronenko & Song 2010], with the `pycpd` package."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from evaluation.methods.base import Cloud, Method, dense
+from evaluation.methods.clouds import require, thinned, typical_confidence
+from evaluation.methods.rigid import align
+from medial import Matching
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoherentPointDrift(Method):
+    """Rigid alignment, then a smooth displacement of a subset of the source that the other points follow."""
+
+    samples: int = 800
+    """Points of either cloud that are registered: the cost grows with their cube."""
+    alpha: float = 2.0
+    """Weight of smoothness."""
+    beta: float = 0.3
+    """Width of the displacement's kernel, in root mean square distances from the centroid."""
+    outliers: float = 0.2
+    """Assumed share of points without a counterpart."""
+    iterations: int = 100
+
+    requires = {"pycpd": "pycpd"}  # noqa: RUF012
+
+    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+        """Nearest target point of every displaced source point."""
+        from pycpd import DeformableRegistration
+
+        require(min(len(source), len(target)), 10, "coherent point drift")
+        placed = align(source.points, target.points, 30, 1500, seed)
+        centre = target.points.mean(axis=0)
+        unit = np.sqrt(((target.points - centre) ** 2).sum(axis=1).mean())
+        moving, fixed = (placed - centre) / unit, (target.points - centre) / unit
+        nodes = moving[thinned(moving, self.samples, seed)]
+        registration = DeformableRegistration(
+            X=fixed[thinned(fixed, self.samples, seed)],
+            Y=nodes,
+            alpha=self.alpha,
+            beta=self.beta,
+            w=self.outliers,
+            max_iterations=self.iterations,
+        )
+        _, (_, weights) = registration.register()
+        square = ((moving[:, None] - nodes[None]) ** 2).sum(axis=2)  # (n, samples)
+        moved = moving + np.exp(-square / (2 * self.beta**2)) @ weights
+        distance, nearest = cKDTree(fixed).query(moved)
+        return dense(nearest, typical_confidence(distance), cost=float(distance.mean()), seed=seed)
