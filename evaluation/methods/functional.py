@@ -1,7 +1,8 @@
 """Functional maps [OBCS*12] with the orientation term of [RPWO18], refined by ZoomOut [MRR*19].
 
-They come from the package `pyfmaps`, which works on meshes. Clouds enter it through the modes of the tufted Laplacian and through
-gradients by local least squares, which is all that its solver asks of a mesh.
+They come from the package `pyfmaps`, which works on meshes. Clouds enter it through the modes of the
+tufted Laplacian and through gradients by local least squares, which is all that its solver asks of a
+mesh.
 """
 
 from dataclasses import dataclass
