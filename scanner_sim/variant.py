@@ -222,6 +222,16 @@ def variant_report() -> dict[str, Any]:
     return {"chosen": chosen, "error": reason, "probes": probes, **versions}
 
 
+@functools.cache
+def _limit_threads() -> None:
+    """Keep Dr.Jit's thread pool to ``OMP_NUM_THREADS``, which Dask sets in its workers; once per process."""
+    import drjit as dr
+
+    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    if wanted.isdecimal() and 1 <= int(wanted) < dr.thread_count():
+        dr.set_thread_count(int(wanted))
+
+
 @contextmanager
 def active(name: str | None = None) -> Iterator[Any]:
     """Mitsuba with a variant set, by default the chosen one; the caller's variant is put back afterwards.
@@ -241,6 +251,7 @@ def active(name: str | None = None) -> Iterator[Any]:
     before = mi.variant()
     if before != name:
         mi.set_variant(name)
+    _limit_threads()
     try:
         yield mi
     finally:
