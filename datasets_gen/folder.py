@@ -4,6 +4,8 @@ import json
 import logging
 import os
 import re
+from collections.abc import Collection as Names
+from collections.abc import Sequence
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -40,7 +42,7 @@ def load_folder(
     folder: str | os.PathLike[str],
     *,
     reference: str | None = None,
-    poses: list[str] | tuple[str, ...] | None = None,
+    poses: Sequence[str] | None = None,
     repair: bool = False,
     units: str | None = None,
 ) -> Collection:
@@ -77,7 +79,7 @@ def load_folder(
     files = _pose_files(root, manifest)
     subject = str(manifest.get("subject") or root.resolve().name)
     rest = _reference_pose(files, reference, manifest, subject)
-    wanted = list(files) if poses is None else _selected(poses, files, subject)
+    wanted = list(files) if poses is None else pose_list(poses, files, subject)
     order = [rest, *(pose for pose in wanted if pose != rest)]
     length = units or str(manifest.get("units", "unknown"))
     shapes = [
@@ -137,6 +139,22 @@ def write_collection(
     with atomic_path(root / MANIFEST) as temporary:
         temporary.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
     return root / MANIFEST
+
+
+def pose_list(poses: Sequence[str], known: Names[str], subject: str) -> list[str]:
+    """The poses asked for, once each, in the order asked.
+
+    Raises
+    ------
+    InputError
+        If it is not a list of poses that there are.
+    """
+    if isinstance(poses, str) or not len(poses):
+        raise InputError(f"poses of {subject!r} is {poses!r}; give a list of {list(known)}")
+    for pose in poses:
+        if pose not in known:
+            raise InputError(f"{subject!r} has no pose {pose!r}; it has {list(known)}")
+    return list(dict.fromkeys(poses))
 
 
 def code_version() -> str:
@@ -202,13 +220,6 @@ def _reference_pose(files: dict[str, Path], asked: str | None, manifest: dict[st
     first = next(iter(files))
     _log.warning("%s: reference pose is %r, the first by name; choose one with reference=", subject, first)
     return first
-
-
-def _selected(poses: list[str] | tuple[str, ...], files: dict[str, Path], subject: str) -> list[str]:
-    for pose in poses:
-        if pose not in files:
-            raise InputError(f"{subject!r} has no pose {pose!r}; it has {list(files)}")
-    return list(dict.fromkeys(poses))
 
 
 def _check_shared(shapes: list[Shape], files: dict[str, Path]) -> None:

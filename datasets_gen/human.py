@@ -17,7 +17,7 @@ from datasets_gen.skeleton import Skeleton, ball, hinge
 Array = NDArray[np.float64]
 X, Y, Z = np.eye(3)
 
-EDGE, SPACING, STIFFNESS = 0.0132, 0.005, 0.065
+EDGE, SPACING, STIFFNESS = 0.0125, 0.005, 0.065
 SIDES_DIFFER = {"arm.R": (0.88, 1.15), "hand.R": (1.05, 1.08), "leg.L": (1.0, 1.10), "foot.L": (1.06, 1.05)}
 
 ARM_DROP = np.radians(46)  # of the rest pose below the horizontal

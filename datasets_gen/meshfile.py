@@ -1,6 +1,7 @@
 """The one way in which the project reads and writes mesh files."""
 
 import os
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from datasets_gen.records import InputError, atomic_path
 from datasets_gen.shape import Shape
 
 MESH_SUFFIXES = (".ply", ".obj", ".off")
+OBJ_PARTITIONS = (b"mtllib", b"usemtl", b"o ", b"g ", b"s ", b"o\t", b"g\t")
 
 
 def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: str = "unknown") -> Shape:
@@ -41,14 +43,8 @@ def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: s
         raise InputError(
             f"{str(path)!r} {'is a folder' if file.is_dir() else 'does not exist'}; give a mesh file"
         )
-    options: dict[str, Any] = {
-        "maintain_order": True,
-        "split_object": False,
-        "group_material": False,
-        "skip_materials": True,
-    }
     try:
-        mesh = trimesh.load(file, process=False, **(options if file.suffix.lower() == ".obj" else {}))
+        mesh = _parsed(file.read_bytes(), file.suffix.lower()[1:])
     except PermissionError as error:
         raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from error
     except Exception as error:  # parsers raise anything from IndexError to struct.error on a broken file
@@ -60,6 +56,17 @@ def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: s
     name = file.stem if subject == file.stem else f"{subject}/{file.stem}"
     vertices = np.array(mesh.vertices, dtype=np.float64)
     return Shape(vertices, np.array(mesh.faces, dtype=np.int32), name, subject, file.stem, units)
+
+
+def _parsed(content: bytes, kind: str) -> Any:
+    """What trimesh makes of a file, in the order of the file.
+
+    An OBJ loses its materials, objects and groups first: trimesh would make a mesh of each, in another order.
+    """
+    if kind != "obj":
+        return trimesh.load(BytesIO(content), file_type=kind, process=False)
+    lines = (line for line in content.splitlines() if not line.startswith(OBJ_PARTITIONS))
+    return trimesh.load(BytesIO(b"\n".join(lines)), file_type=kind, process=False, maintain_order=True)
 
 
 def load_mesh(path: str | os.PathLike[str], *, repair: bool = False, units: str = "unknown") -> Shape:

@@ -15,7 +15,7 @@ from datasets_gen.skeleton import Skeleton, hinge
 Array = NDArray[np.float64]
 X, Y, Z = np.eye(3)
 
-EDGE, SPACING, STIFFNESS = 0.0228, 0.009, 0.10
+EDGE, SPACING, STIFFNESS = 0.0215, 0.009, 0.10
 
 POLL, MUZZLE = np.array([0, 1.93, 0.93]), np.array([0, 1.57, 1.32])
 FACE = unit(MUZZLE - POLL)

@@ -4,15 +4,16 @@ import difflib
 import inspect
 import logging
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
 from datasets_gen import human, quadruped
 from datasets_gen.bodies import BodyPlan, build
 from datasets_gen.cache import cache_path, fetch, store
-from datasets_gen.folder import load_folder
+from datasets_gen.folder import load_folder, pose_list
 from datasets_gen.records import InputError
 from datasets_gen.shape import Collection
 
@@ -48,7 +49,7 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     """
     if str(name) in BUILT_IN:
         return _called(_load_built_in, str(name), options)
-    if Path(name).is_dir():
+    if str(name) and Path(name).is_dir():
         return _called(load_folder, str(name), options)
     close = difflib.get_close_matches(str(name), names(), n=1, cutoff=0.4)
     hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(names())}"
@@ -63,17 +64,16 @@ def _called(loader: Callable[..., Collection], name: str, options: dict[str, Any
     return loader(name, **options)
 
 
-def _load_built_in(
-    name: str, *, seed: int = 0, poses: list[str] | tuple[str, ...] | None = None
-) -> Collection:
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+def _load_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = None) -> Collection:
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
         raise InputError(f"seed of {name!r} is {seed!r}; give an integer from 0 on")
-    path = cache_path(name, {"seed": seed})
+    chosen = None if poses is None else pose_list(poses, tuple(BUILT_IN[name](0).poses), name)
+    path = cache_path(name, {"seed": int(seed)})
     collection = fetch(path)
     if collection is None:
         _log.info("building %r with seed %d", name, seed)
-        collection = build(BUILT_IN[name](seed))
+        collection = build(BUILT_IN[name](int(seed)))
         store(path, collection)
-    if poses is None:
+    if chosen is None:
         return collection
-    return replace(collection, shapes=tuple(collection[pose] for pose in dict.fromkeys(poses)))
+    return replace(collection, shapes=tuple(collection[pose] for pose in chosen))

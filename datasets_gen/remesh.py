@@ -85,9 +85,9 @@ def remesh(
     """
     for _ in range(rounds):
         vertices, faces = _split(vertices, faces, sizing)
-        for _ in range(4):
+        for _ in range(12):
             vertices, faces, done = _collapse(vertices, faces, sizing)
-            if done < 0.001 * len(faces):
+            if done < 0.002 * len(faces):
                 break
         for _ in range(2):
             faces = _flip(vertices, faces)
@@ -174,7 +174,8 @@ def _collapse(vertices: Array, faces: Ints, sizing: Sizing) -> tuple[Array, Ints
     rename[drop[good]] = keep[good]
     result = vertices.copy()
     result[keep[good]] = target[good]
-    remaining = ~(lost & good[touching])
+    remaining = ~lost
+    remaining[lost] = ~good[touching[lost]]
     return (*compact(result, rename[faces[remaining]]), int(good.sum()))
 
 
@@ -245,8 +246,9 @@ def _flat(old: Array, vertices: Array, faces: Ints) -> NDArray[np.bool_]:
 
 
 def _are_joined(edges: Edges, a: Ints, b: Ints, count: int) -> NDArray[np.bool_]:
-    keys = edges.ends[:, 0] * count + edges.ends[:, 1]
-    return np.isin(np.minimum(a, b) * count + np.maximum(a, b), keys)
+    keys = edges.ends[:, 0] * count + edges.ends[:, 1]  # ascending, as the edges are sorted
+    wanted = np.minimum(a, b) * count + np.maximum(a, b)
+    return keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted
 
 
 def _smooth(vertices: Array, faces: Ints, sizing: Sizing, project: Projection) -> Array:

@@ -1,0 +1,86 @@
+import logging
+
+import numpy as np
+import pytest
+
+from datasets_gen import Collection, cache
+from tests.datasets_gen.test_folder import posed
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("MEDIALBENCH_CACHE", str(tmp_path / "cache"))
+
+
+def ball(mirror=None):
+    shapes = (posed("pose2"), posed("rest"))
+    return Collection("ball", shapes, shapes[1], mirror)
+
+
+@pytest.mark.parametrize("mirror", [None, np.arange(162)])
+def test_collection_survives_exactly(mirror):
+    path = cache.cache_path("ball", {"seed": 1})
+    assert cache.fetch(path) is None
+    cache.store(path, ball(mirror))
+    found = cache.fetch(path)
+    assert [s.name for s in found.shapes] == ["ball/pose2", "ball/rest"]
+    assert found.reference is found.shapes[1]
+    assert np.array_equal(found.reference.vertices, posed("rest").vertices)
+    assert np.array_equal(found.reference.faces, posed("rest").faces)
+    assert (found.mirror is None) == (mirror is None)
+    assert found.reference.units == "m"
+
+
+def test_key_changes_with_name_parameters_code_and_libraries(monkeypatch):
+    paths = {
+        cache.cache_path("a", {"seed": 1}),
+        cache.cache_path("b", {"seed": 1}),
+        cache.cache_path("a", {"seed": 2}),
+    }
+    monkeypatch.setattr(cache, "code_fingerprint", lambda: "other")
+    paths.add(cache.cache_path("a", {"seed": 1}))
+    assert len(paths) == 4
+    assert cache.cache_path("a", {"seed": 1}) in paths
+
+
+def test_fingerprint_sees_source_and_versions(monkeypatch, tmp_path):
+    prints = []
+    for source, version in (("x = 1", "1"), ("x = 2", "1"), ("x = 1", "2"), ("x = 1", "1")):
+        (tmp_path / "module.py").write_text(source)
+        monkeypatch.setattr(cache, "__file__", str(tmp_path / "cache.py"))
+        monkeypatch.setattr(cache, "version", lambda _, v=version: v)
+        prints.append(cache.code_fingerprint.__wrapped__())
+    assert len(set(prints)) == 3
+    assert prints[0] == prints[3]
+
+
+def test_folder_is_the_environments_or_the_users(monkeypatch, tmp_path):
+    assert cache.cache_folder() == tmp_path / "cache"
+    monkeypatch.delenv("MEDIALBENCH_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert cache.cache_folder() == tmp_path / "xdg" / "medialbench"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert cache.cache_folder() == tmp_path / "home" / ".cache" / "medialbench"
+
+
+@pytest.mark.parametrize("damage", [b"", b"garbage", None])
+def test_damaged_file_is_not_used(damage, caplog):
+    path = cache.cache_path("ball", {})
+    cache.store(path, ball())
+    path.write_bytes(path.read_bytes()[:500] if damage is None else damage)
+    with caplog.at_level(logging.WARNING):
+        assert cache.fetch(path) is None
+    assert "building it again" in caplog.text
+
+
+def test_folder_that_cannot_be_written_is_logged_only(tmp_path, caplog):
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    with caplog.at_level(logging.WARNING):
+        cache.store(cache.cache_path("ball", {}), ball())
+    assert "without a cache" in caplog.text
+
+
+def test_nothing_temporary_is_left(tmp_path):
+    cache.store(cache.cache_path("ball", {}), ball())
+    assert len(list((tmp_path / "cache").iterdir())) == 1

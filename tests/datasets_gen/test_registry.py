@@ -1,0 +1,109 @@
+import numpy as np
+import pytest
+
+from datasets_gen import InputError, load, names, registry
+from datasets_gen.bodies import BodyPlan, Detail
+from datasets_gen.implicit import Body, ellipsoid
+from datasets_gen.skeleton import Skeleton, hinge
+
+
+def egg(seed):
+    """A body that takes a fraction of a second."""
+    bones = (
+        hinge("low", None, (0, 0, 0), (0, 0.4, 0), (1, 0, 0)),
+        hinge("high", "low", (0, 0.4, 0), (0, 0.8, 0), (1, 0, 0)),
+    )
+    surface = Body((ellipsoid("low high", (0, 0.5, 0), (0.3, 0.5, 0.2 + 0.05 * seed), blend=0.02),))
+    detail = Detail("high", np.array([0, 1.0, 0]), 0.1, 0.05)
+    return BodyPlan(
+        "egg",
+        Skeleton(bones),
+        surface,
+        (detail,),
+        0.08,
+        0.03,
+        0.2,
+        {"rest": {}, "bent": {"high": (30, 0, 0)}},
+        True,
+    )
+
+
+@pytest.fixture
+def built(tmp_path, monkeypatch):
+    """The egg as a built-in body, and the list of seeds with which it was built."""
+    monkeypatch.setenv("MEDIALBENCH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setitem(registry.BUILT_IN, "egg", egg)
+    seeds, build = [], registry.build
+
+    def counted(plan):
+        seeds.append(plan)
+        return build(plan)
+
+    monkeypatch.setattr(registry, "build", counted)
+    return seeds
+
+
+def test_built_in_names():
+    assert set(names()) >= {"human", "human_asymmetric", "quadruped"}
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [("hunan", "'human'"), ("quadrupet", "'quadruped'"), ("zzz", "built in: human"), ("", "no dataset")],
+)
+def test_unknown_names_get_the_nearest(name, hint):
+    with pytest.raises(InputError, match=hint) as caught:
+        load(name)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"sed": 1}, "no option 'sed'; it has seed, poses"),
+        ({"seed": -1}, "seed of 'human' is -1"),
+        ({"seed": 1.5}, "seed of 'human' is 1.5"),
+        ({"seed": True}, "seed of 'human' is True"),
+        ({"poses": ["fly"]}, "no pose 'fly'"),
+        ({"poses": "walk"}, "give a list"),
+    ],
+)
+def test_wrong_options_are_told_before_anything_is_built(options, reason, built):
+    with pytest.raises(InputError, match=reason):
+        load("human", **options)
+    assert built == []
+
+
+def test_built_once_and_then_read(built):
+    first, second = load("egg"), load("egg", seed=0)
+    assert len(built) == 1
+    assert np.array_equal(first["bent"].vertices, second["bent"].vertices)
+    assert np.array_equal(first.mirror, second.mirror)
+    assert first.reference.pose == second.reference.pose == "rest"
+
+
+def test_same_seed_same_body_without_a_cache(built, tmp_path):
+    first = load("egg", seed=2)
+    for file in (tmp_path / "cache").iterdir():
+        file.unlink()
+    second = load("egg", seed=np.int64(2))
+    assert len(built) == 2
+    assert np.array_equal(first["bent"].vertices, second["bent"].vertices)
+    assert first.reference.vertices.shape != load("egg", seed=3).reference.vertices.shape
+
+
+def test_works_where_no_cache_can_be_written(built, tmp_path):
+    (tmp_path / "cache").write_text("")
+    assert len(load("egg").shapes) == 2
+
+
+def test_poses_are_selected_in_the_order_asked(built):
+    found = load("egg", poses=["bent"])
+    assert [s.pose for s in found.shapes] == ["bent"]
+    assert found.reference.pose == "rest"
+
+
+def test_an_existing_folder_of_a_built_in_name_does_not_hide_it(built, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "egg").mkdir()
+    assert load("egg").subject == "egg"
