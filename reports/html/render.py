@@ -13,6 +13,9 @@ from reports.tables import GROUP, LEADERBOARD, STABILITY, STABILITY_GROUP, Colum
 if TYPE_CHECKING:
     from reports.sections import Picture
 
+SECTIONS = ("missing", "pck", "stability", "pairs", "scans")
+"""Where pictures may be on the page."""
+
 BOARD = tuple(column for column in LEADERBOARD if column.name not in ("maps", "missing"))
 """Columns of the leaderboard on the page, where every regime has a head of its own."""
 
@@ -81,7 +84,7 @@ def render_page(data: PageData) -> str:
         board_columns=used(BOARD, data.leaderboard)[len(GROUP) :],
         stable=blocks(data.stability, STABILITY, STABILITY_GROUP, "eq18", ""),
         stable_columns=used(STABILITY, data.stability)[1:] if len(data.stability) else [],
-        pictures=data.pictures,
+        pictures={name: data.pictures.get(name, []) for name in SECTIONS},
         groups=list(dict.fromkeys(p.group for p in data.pictures.get("pairs", []))),
         left_out=data.pairs_left_out,
         failures=data.failures.to_dict("records"),

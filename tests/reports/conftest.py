@@ -63,6 +63,7 @@ def write_results(folder, *, subjects=("blob",), seeds=(0,), failures=()):
         for seed in seeds:
             rows += _rows(store, subject, shapes, seed)
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
+    folder.mkdir(exist_ok=True)
     table.to_parquet(folder / "table.parquet")
     lines = pd.DataFrame(failures, columns=["key", "stage", "label", "kind", "reason"])
     lines.to_csv(folder / "failures.csv", index=False)
@@ -92,29 +93,41 @@ def _rows(store, subject, shapes, seed):
             _scan(shapes, pose).save(store.path("scan", key))
             clouds[pose, threshold] = key
     for threshold in THRESHOLDS:
+        shared = {"dataset": subject, "subject": subject, "regime": f"threshold {threshold}", "views": "6"}
+        shared |= {
+            "n_points": 200,
+            "seed": seed,
+            "source_missing": threshold / 2,
+            "source_threshold": threshold,
+        }
         for operator, level in (("medial", 0.1), ("heat", 0.4)):
+            errors = {"eq18": level * threshold, "eq18_trace": level, "eq18_relative": level}
             for pose in POSES:
-                yield {
-                    "kind": "stability", "dataset": subject, "subject": subject, "method": operator, "operator": operator,
-                    "source_pose": pose, "source_threshold": threshold, "target_pose": "rest",
-                    "regime": f"threshold {threshold}", "views": "6", "n_points": 200, "seed": seed,
-                    "source_missing": threshold / 2, "eq18": level * threshold, "eq18_trace": level,
-                    "eq18_relative": level, "source_scan": clouds[pose, threshold], "score_key": "s",
-                }  # fmt: skip
+                about = {"kind": "stability", "method": operator, "operator": operator, "score_key": "s"}
+                about |= {"source_pose": pose, "target_pose": "rest", "source_scan": clouds[pose, threshold]}
+                yield {**shared, **about, **errors}
         for label, (operator, error) in METHODS.items():
             source, target = clouds["rest", threshold], clouds["bent", threshold]
             key = f"{subject}-{threshold}-{seed}-{operator}"
             _write_map(store, key, source, operator, error)
-            yield {
-                "kind": "matching", "dataset": subject, "subject": subject, "method": label, "operator": operator,
-                "source_pose": "rest", "source_threshold": threshold, "target_pose": "bent",
-                "target_threshold": threshold, "regime": f"threshold {threshold}", "views": "6", "n_points": 200,
-                "seed": seed, "source_missing": threshold / 2, "target_missing": threshold / 2,
-                "geodesic_mean": error + seed, "geodesic_median": error, "geodesic_symmetric_mean": error,
-                "flipped": operator == "heat", "pck_auc": 1 - error / 25, "medial_mean": 1.0, "coverage": 1.0,
-                "overlap_iou": 0.9, "seconds_match": 2.0, "source_scan": source, "target_scan": target,
-                "map_key": key, "score_key": key,
-            }  # fmt: skip
+            about = {
+                "kind": "matching",
+                "method": label,
+                "operator": operator,
+                "map_key": key,
+                "score_key": key,
+            }
+            about |= {
+                "source_pose": "rest",
+                "target_pose": "bent",
+                "source_scan": source,
+                "target_scan": target,
+            }
+            about |= {"target_threshold": threshold, "target_missing": threshold / 2, "seconds_match": 2.0}
+            errors = {"geodesic_mean": error + seed, "geodesic_median": error, "medial_mean": 1.0}
+            errors |= {"geodesic_symmetric_mean": error, "flipped": operator == "heat", "coverage": 1.0}
+            errors |= {"pck_auc": 1 - error / 25, "overlap_iou": 0.9}
+            yield {**shared, **about, **errors}
 
 
 def _write_map(store, key, scan_key, operator, error):

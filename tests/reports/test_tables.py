@@ -70,15 +70,15 @@ def test_empty_tables_stay_empty(table):
 COLUMNS = (Column("name", "name & co"), Column("low", "low_1", 1, "low"), Column("high", "±", 2, "high"))
 SMALL = pd.DataFrame(
     {
-        "g": ["x", "x", "y"],
-        "name": ["a|b", "50 % #1", "c"],
-        "low": [1.04, 1.0, np.nan],
-        "high": [0.5, 0.9, 0.1],
+        "g": ["x", "x", "x", "y", "y"],
+        "name": ["a|b", "50 % #1", "c", "d", "e"],
+        "low": [1.04, 1.0, 2.0, np.nan, 3.0],
+        "high": [0.5, 0.9, 0.1, 0.7, 0.7],
     }
 )
 
 
-def test_best_values_are_marked_within_groups_and_ties_as_shown_share():
+def test_best_values_of_groups_are_marked_ties_share_and_equal_values_have_none():
     assert best_cells(SMALL, COLUMNS, ["g"]) == {(0, "low"), (1, "low"), (1, "high")}
 
 
@@ -87,7 +87,8 @@ def test_markdown_is_a_table_with_every_cell():
     assert lines[0] == "| name & co | low_1 | ± |"
     assert lines[1] == "| --- | ---: | ---: |"
     assert lines[2] == r"| a\|b | **1.0** | 0.50 |"
-    assert lines[4] == "| c | – | 0.10 |"
+    assert lines[4] == "| c | 2.0 | 0.10 |"
+    assert lines[5] == "| d | – | 0.70 |"
 
 
 def test_latex_escapes_and_separates_groups():
@@ -95,7 +96,7 @@ def test_latex_escapes_and_separates_groups():
     assert r"name \& co & low\_1 & $\pm$ \\" in text
     assert r"50 \% \#1 & \textbf{1.0} & \textbf{0.90} \\" in text
     assert text.count(r"\midrule") == 2
-    assert text.count("&") - text.count(r"\&") == 2 * 4
+    assert text.count("&") - text.count(r"\&") == 2 * 6
 
 
 def test_csv_keeps_full_precision(tmp_path, table):
