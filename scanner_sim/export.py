@@ -27,6 +27,8 @@ def write_ply(scan: "Scan", path: str | os.PathLike[str]) -> None:
 
     Properties of a vertex: doubles ``x y z``, barycentrics ``b0 b1 b2``, ``true_x true_y true_z`` and the
     laser's ``angle`` and ``width`` in radians; floats ``nx ny nz intensity``; ints ``view face column row``.
+    Open3D (tensor reader) and trimesh keep all of them; MeshLab reads points, normals and ``quality``, which
+    repeats the intensity.
 
     Parameters
     ----------
@@ -39,6 +41,7 @@ def write_ply(scan: "Scan", path: str | os.PathLike[str]) -> None:
         (("x", "y", "z"), "f8", scan.points),
         (("nx", "ny", "nz"), "f4", scan.normals),
         (("intensity",), "f4", scan.intensity),
+        (("quality",), "f4", scan.intensity),
         (("view",), "i4", scan.view_ids),
         (("face",), "i4", scan.face_ids),
         (("column", "row"), "i4", scan.pixels),

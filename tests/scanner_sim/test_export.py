@@ -30,6 +30,7 @@ def test_ply_read_by_trimesh_has_every_attribute(found, tmp_path):
 
     assert np.array_equal(column("nx", "ny", "nz"), found.normals.astype(np.float32))
     assert np.array_equal(column("intensity")[:, 0], found.intensity.astype(np.float32))
+    assert np.array_equal(column("quality"), column("intensity"))
     assert np.array_equal(column("view")[:, 0], found.view_ids)
     assert np.array_equal(column("face")[:, 0], found.face_ids)
     assert np.array_equal(column("column", "row"), found.pixels)
