@@ -1,6 +1,7 @@
 """Methods, protocols, metrics and sweeps."""
 
 from evaluation.experiment import Experiment, presets
+from evaluation.merging import merge_results
 from evaluation.metrics import correspondence_error
 from evaluation.runs import preview, run
 from evaluation.stability import diffusion_error
@@ -11,6 +12,7 @@ __all__ = [
     "ResultsStore",
     "correspondence_error",
     "diffusion_error",
+    "merge_results",
     "presets",
     "preview",
     "run",

@@ -12,6 +12,7 @@ from datasets_gen.records import InputError
 from datasets_gen.registry import names
 from evaluation.experiment import Condition, Dataset, Experiment, Method, Regime
 from evaluation.identity import digest_files, seed_of
+from evaluation.methods.base import Method as MethodClass
 from evaluation.methods.registry import create, method_version, missing
 from evaluation.settings import reject_unknown
 from evaluation.tasks import Task
@@ -90,7 +91,10 @@ def make_plan(
     plan = Plan()
     for task in shapes.values():
         plan.add(task)
-    methods = {each.label: create(each.name, each.options) for each in experiment.method}
+    methods = {}
+    for each in experiment.method:
+        method = create(each.name, each.options)
+        methods[each.label] = (method, method_version(each.name, method))
     plan.unavailable = {each.label: reason for each in experiment.method if (reason := missing(each.name))}
     for dataset in experiment.dataset:
         name = display_name(dataset)
@@ -205,16 +209,22 @@ def _plan_stability(subject: _Subject, seed: int) -> None:
             subject.plan.rows.append(Row({**base, **about, **keys, "score_key": score}, score))
 
 
-def _plan_matching(subject: _Subject, seed: int, methods: Mapping[str, Any]) -> None:
+def _plan_matching(subject: _Subject, seed: int, methods: Mapping[str, tuple[MethodClass, str]]) -> None:
     for regime in subject.experiment.regimes():
         for source, target in _pairs(subject):
             for choice in subject.experiment.method:
                 if choice.label not in subject.plan.unavailable:
-                    _plan_map(subject, seed, regime, (source, target), choice, methods[choice.label])
+                    _plan_map(subject, seed, regime, (source, target), choice, *methods[choice.label])
 
 
 def _plan_map(
-    subject: _Subject, seed: int, regime: Regime, pair: tuple[str, str], choice: Method, method: Any
+    subject: _Subject,
+    seed: int,
+    regime: Regime,
+    pair: tuple[str, str],
+    choice: Method,
+    method: MethodClass,
+    version: str,
 ) -> None:
     clouds = {
         "source": subject.cloud(pair[0], regime.source, seed),
@@ -226,7 +236,7 @@ def _plan_map(
     spec: dict[str, Any] = {"method": choice.name, "options": dict(choice.options)}
     spec["seed"] = seed_of("map", subject.subject, *pair, seed)
     label = f"{subject.name} {pair[0]} to {pair[1]} {choice.label}"
-    found = subject.plan.add(Task.of("map", spec, inputs, label, method_version(choice.name, method)))
+    found = subject.plan.add(Task.of("map", spec, inputs, label, version))
     ideal = subject.ideal(seed)
     inputs = {"shape": subject.shape, **{f"{side}_scan": key for side, key in clouds.items()}, "map": found}
     inputs["reference_medial"] = subject.operator(ideal, "medial")
