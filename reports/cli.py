@@ -21,6 +21,7 @@ COMMANDS = {
     "run": "reports.commands.run:run",
     "report": "reports.commands.report:report",
     "compare": "reports.commands.compare:compare",
+    "merge": "reports.commands.merge:merge",
 }
 """Where each command is, in the order of the help page."""
 

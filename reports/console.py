@@ -3,8 +3,9 @@
 import logging
 import sys
 import time
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import IO, TYPE_CHECKING, Any
 
 import click
@@ -12,6 +13,8 @@ import click
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
+
+PACKAGES = ("datasets_gen", "scanner_sim", "medial", "evaluation", "reports")
 
 WIDE = 132
 """Characters per line of tables where the output is no terminal."""
@@ -51,7 +54,7 @@ class Command(click.Command):
     def invoke(self, ctx: click.Context) -> Any:
         """Run; turn exceptions into one-line failures unless --debug is given."""
         debug = ctx.params.pop("debug")
-        with messages(ctx.params["quiet"]):
+        with messages(ctx.params["quiet"]) if not debug else nullcontext():
             try:
                 return super().invoke(ctx)
             except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -100,14 +103,17 @@ def remarks() -> "Console":
 
 @contextmanager
 def messages(quiet: bool) -> Iterator[None]:
-    """Show the project's log messages: warnings, or errors alone when quiet."""
+    """Show the project's own log messages: warnings, or errors alone when quiet; libraries keep theirs."""
     handler = _Lines()
+    handler.addFilter(lambda record: record.name.partition(".")[0] in PACKAGES)
     root = logging.getLogger()
     level = root.level
     root.addHandler(handler)
     root.setLevel(logging.ERROR if quiet else logging.WARNING)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
     finally:
         root.removeHandler(handler)
         root.setLevel(level)

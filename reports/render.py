@@ -1,10 +1,9 @@
 """Pictures of oriented point clouds: a small z-buffer renderer of surface discs.
 
-Why not Mitsuba, which the scanner uses? A picture of 5,000 points as spheres takes it 1.0 s with the scalar
-variant (most of it for building meshes and their search tree), a report has some 70 of them, and selecting a
-variant is global to the process. Discs in the tangent planes take about 30 ms, look like a surface where
-points are dense and show holes as holes: what lies inside is greyed. The numbers come from
-``pytest tests/benchmarks/test_render.py --benchmark-only``.
+Why not Mitsuba, which the scanner uses? Drawing 5,000 points as spheres takes it about 45 times as long, most of
+it to build meshes and their search tree (``pytest tests/benchmarks/test_render_perf.py --benchmark-only``); a
+report has some 100 such pictures, and the variant is global to the process. Discs in the tangent planes also look
+like a surface where points are dense and show holes as holes: what lies inside is greyed.
 """
 
 from dataclasses import dataclass

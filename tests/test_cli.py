@@ -407,4 +407,58 @@ def test_folders_without_results_are_refused(tmp_path):
     for command in ("report", "compare"):
         fails(run(command, tmp_path / "none"), "none")
         fails(run(command, tmp_path), "no results")
+    fails(run("merge", tmp_path / "none", "-o", tmp_path / "joint"), "none")
+    fails(run("merge", "-o", tmp_path / "joint"), "DIR", status=2)
     assert list(tmp_path.iterdir()) == []
+
+
+SWEEP = """
+name = "tiny"
+seeds = [0]
+evaluated = 50
+[[dataset]]
+name = "{folder}"
+[scan]
+views = 4
+points = 300
+scanner = {{ resolution = [60, 60], stripes = 80 }}
+[operators]
+modes = 20
+[stability]
+operators = ["heat"]
+sweep = {{ threshold = [0.3] }}
+[matching]
+[[matching.regime]]
+name = "easy"
+threshold = 0.3
+[[method]]
+name = "heat"
+label = "heat kernel"
+"""
+
+
+def test_a_run_ends_with_the_leaderboard_and_the_report_and_goes_on_from_what_is_stored(tmp_path):
+    poses = tmp_path / "club"
+    poses.mkdir()
+    straight, bent = body(), body()
+    bent.vertices[:, 0] += 0.1 * bent.vertices[:, 1] ** 2
+    straight.export(poses / "rest.ply")
+    bent.export(poses / "bent.ply")
+    config, out = tmp_path / "tiny.toml", tmp_path / "out"
+    config.write_text(SWEEP.format(folder=poses))
+    result = run("run", config, "-o", out, "--jobs", "1")
+    assert result.exit_code == 0, result.output
+    assert "club, easy" in result.stdout
+    assert "heat kernel" in result.stdout
+    page = out.resolve() / "report" / "index.html"
+    assert result.stdout.splitlines()[-1] == str(page)
+    assert page.is_file()
+    dry = run("run", config, "-o", out, "--dry-run")
+    assert "nothing to run" in dry.stdout
+    before = (out / "table.csv").read_bytes()
+    again = run("run", config, "-o", out, "--no-report", "-q")
+    assert again.exit_code == 0
+    assert (out / "table.csv").read_bytes() == before
+    joint = run("merge", out, "-o", tmp_path / "joint")
+    assert joint.exit_code == 0, joint.output
+    assert run("compare", tmp_path / "joint").exit_code == 0

@@ -121,14 +121,12 @@ def bare_scan(points: NDArray[Any], normals: NDArray[Any] | None, name: str) -> 
 
 def with_normals(scan: "Scan", path: Path) -> "Scan":
     """The scan, with estimated normals where the file had none."""
-    from scanner_sim.normals import pca, spanning_tree
+    from medial.normals import estimate_normals
 
     if not np.isnan(scan.normals).all():
         return scan
-    _log.warning(
-        "%s has no normals: estimated (PCA, signs along a spanning tree); given ones are better", path
-    )
-    return replace(scan, normals=spanning_tree(scan.points, pca(scan.points)))
+    _log.warning("%s has no normals: estimated; give them where the scanner knows them", path)
+    return replace(scan, normals=estimate_normals(scan.points))
 
 
 def _check(scan: "Scan", path: Path) -> None:

@@ -27,6 +27,7 @@ METHODS = {
     "medial": "#d55e00",
     "heat": "#0072b2",
     "robust": "#009e73",
+    "tufted": "#009e73",
     "functional": "#cc79a7",
     "cpd": "#e69f00",
     "geodesic": "#56b4e9",
