@@ -94,7 +94,9 @@ def build_mesh(
 
 def build_scene(mi: Any, mesh: Any, emitter: dict[str, Any] | None = None) -> Any:
     """Scene of a mesh and, if given, the emitter ``"laser"``; robust for thin features."""
-    scene: dict[str, Any] = {"type": "scene", "embree_use_robust_intersections": True, "object": mesh}
+    scene: dict[str, Any] = {"type": "scene", "object": mesh}
+    if not mi.variant().startswith("cuda"):  # which traces with OptiX, not Embree
+        scene["embree_use_robust_intersections"] = True
     if emitter is not None:
         scene["laser"] = emitter
     return mi.load_dict(scene)

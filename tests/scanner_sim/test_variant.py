@@ -16,8 +16,9 @@ from tests.scanner_sim.conftest import usable
 def fresh(monkeypatch, tmp_path):
     """No memory of earlier probes, in this process or on disk."""
     monkeypatch.setenv("MEDIALBENCH_CACHE", str(tmp_path))
-    monkeypatch.delenv("MEDIALBENCH_VARIANT", raising=False)
-    monkeypatch.delenv("DRJIT_LIBLLVM_PATH", raising=False)
+    for name in ("MEDIALBENCH_VARIANT", "DRJIT_LIBLLVM_PATH"):
+        monkeypatch.setenv(name, "")  # so that the value, or its absence, is put back
+        monkeypatch.delenv(name)
     remembered = (variant.probe, variant.choose)
     for function in remembered:
         function.cache_clear()
