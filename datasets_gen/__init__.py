@@ -5,7 +5,7 @@ from datasets_gen.folder import load_folder, write_collection
 from datasets_gen.meshfile import MESH_SUFFIXES, load_mesh, write_mesh
 from datasets_gen.mirror import mirror_map
 from datasets_gen.records import InputError
-from datasets_gen.registry import load, names
+from datasets_gen.registry import load, names, provenance
 from datasets_gen.shape import Collection, Shape
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "load_mesh",
     "mirror_map",
     "names",
+    "provenance",
     "write_collection",
     "write_mesh",
 ]

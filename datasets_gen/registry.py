@@ -31,6 +31,19 @@ def names() -> tuple[str, ...]:
     return tuple(BUILT_IN)
 
 
+def provenance(name: str, seed: int = 0) -> dict[str, Any]:
+    """What the manifest of a written built-in body says about where it comes from.
+
+    Raises
+    ------
+    InputError
+        If there is no built-in body of that name.
+    """
+    if name not in BUILT_IN:
+        raise InputError(f"{name!r} is not built in; built in: {', '.join(names())}")
+    return {"licence": "MIT", "source": f"procedural body {name!r} of medialbench", "seed": seed}
+
+
 def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     """Load the poses of one subject.
 
@@ -39,8 +52,8 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     name
         A built-in body (`names`) or the path of a folder with one mesh file per pose.
     **options
-        Of a built-in body: `seed` (int, proportions; 0 is the default body) and `poses` (names, default
-        all). Of a folder: those of `load_folder`.
+        Of a built-in body: `seed` (int; proportions, 0 is the default body; the subject of another seed
+        is called like ``human-3``) and `poses` (names, default all). Of a folder: those of `load_folder`.
 
     Raises
     ------
@@ -72,7 +85,8 @@ def _load_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = No
     collection = fetch(path)
     if collection is None:
         _log.info("building %r with seed %d", name, seed)
-        collection = build(BUILT_IN[name](int(seed)))
+        plan = BUILT_IN[name](int(seed))
+        collection = build(replace(plan, name=f"{name}-{seed}") if seed else plan)
         store(path, collection)
     if chosen is None:
         return collection

@@ -168,7 +168,7 @@ def test_canonical_points_follow_the_surface():
 
 @pytest.mark.slow
 @bodies
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1])
 def test_other_seeds_give_other_sound_bodies(name, seed):
     default, body = load(name).reference, build(BUILT_IN[name](seed))
     rest = body.reference

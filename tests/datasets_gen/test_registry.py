@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from datasets_gen import InputError, load, names, registry
+from datasets_gen import InputError, load, names, provenance, registry
 from datasets_gen.bodies import BodyPlan, Detail
 from datasets_gen.implicit import Body, ellipsoid
 from datasets_gen.skeleton import Skeleton, hinge
@@ -90,6 +90,18 @@ def test_same_seed_same_body_without_a_cache(built, tmp_path):
     assert len(built) == 2
     assert np.array_equal(first["bent"].vertices, second["bent"].vertices)
     assert first.reference.vertices.shape != load("egg", seed=3).reference.vertices.shape
+
+
+def test_bodies_of_other_seeds_have_their_own_names(built):
+    assert {s.name for s in load("egg", seed=3).shapes} == {"egg-3/rest", "egg-3/bent"}
+    assert load("egg", seed=3).subject == "egg-3"
+
+
+def test_provenance_of_built_in_bodies_only():
+    assert provenance("human", 3)["licence"] == "MIT"
+    assert provenance("human", 3)["seed"] == 3
+    with pytest.raises(InputError, match="not built in"):
+        provenance("folder")
 
 
 def test_works_where_no_cache_can_be_written(built, tmp_path):
