@@ -15,16 +15,13 @@ from datasets_gen import Collection
 from evaluation.geodesic import SurfaceDistance
 from evaluation.metrics import SurfacePoints, correspondence_error
 from evaluation.store import ResultsStore
-from reports.figures.clouds import ERROR_CAP, position_colors
+from reports.figures.clouds import ERROR_CAP, carried_colors, position_colors
 from reports.figures.pairs import Cloud, Pair, Panel
 from reports.figures.style import ABSENT, order_methods
 from scanner_sim import Scan
 
 COUNTERPART = 0.05
 """A target point has a counterpart if a source point is this near on the rest pose, in sqrt(area)."""
-
-FILL = 2.5
-"""A target point that nothing was mapped to takes the nearest colour within this many spacings."""
 
 
 @dataclass(frozen=True)
@@ -154,36 +151,3 @@ def true_colors(
     """
     gap, nearest = cKDTree(source).query(target)
     return np.where((gap <= COUNTERPART * unit)[:, None], colors[nearest], to_rgb(ABSENT))
-
-
-def carried_colors(
-    source_to_target: NDArray[np.integer], colors: NDArray[np.float64], target: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Colours that arrive at the target: the mean of those sent to a point.
-
-    Points that receive none take the nearest colour within `FILL` spacings, or else `ABSENT`.
-
-    Parameters
-    ----------
-    source_to_target : (n,)
-        -1 for no match.
-    colors : (n, 3)
-    target : (m, 3)
-
-    Returns
-    -------
-    (m, 3) float64
-    """
-    m = len(target)
-    sent = source_to_target >= 0
-    count = np.bincount(source_to_target[sent], minlength=m)
-    total = np.stack([np.bincount(source_to_target[sent], c, minlength=m) for c in colors[sent].T], axis=1)
-    result = np.tile(to_rgb(ABSENT), (m, 1))
-    reached = np.flatnonzero(count)
-    result[reached] = total[reached] / count[reached, None]
-    if len(reached) and m > 1:
-        spacing = float(np.median(cKDTree(target).query(target, k=2)[0][:, 1]))
-        gap, nearest = cKDTree(target[reached]).query(target)
-        near = gap <= FILL * spacing
-        result[near] = result[reached[nearest[near]]]
-    return result

@@ -1,9 +1,10 @@
 """Pictures of oriented point clouds: a small z-buffer renderer of surface discs.
 
-Why not Mitsuba, which the scanner uses? Drawing 5,000 points as spheres takes it about 45 times as long, most of
-it to build meshes and their search tree (``pytest tests/benchmarks/test_render_perf.py --benchmark-only``); a
-report has some 100 such pictures, and the variant is global to the process. Discs in the tangent planes also look
-like a surface where points are dense and show holes as holes: what lies inside is greyed.
+Why not Mitsuba, which the scanner uses? Drawing 5,000 points as spheres takes it about 45 times as long,
+most of it to build meshes and their search tree (``pytest tests/benchmarks/test_render_perf.py
+--benchmark-only``); a report has some 100 such pictures, and the variant is global to the process. Discs in
+the tangent planes also look like a surface where points are dense and show holes as holes: what lies inside
+is greyed.
 """
 
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 """``medialbench match`` and ``medialbench symmetry``: correspondences of clouds in files."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,12 @@ MODES = 300
 def _shared(command: Callable[..., None]) -> Callable[..., None]:
     """Options of both commands."""
     for option in (
+        click.option(
+            "--picture",
+            type=click.Path(path_type=Path),
+            metavar="FILE.png",
+            help="Also draw the map as colours, with landmarks and confidence (.png or .pdf).",
+        ),
         click.option("--repair", is_flag=True, help="Of a mesh, go on with the largest component."),
         click.option("--seed", default=0, show_default=True, help="Of samples and restarts."),
         click.option(
@@ -58,6 +64,7 @@ def match(
     modes: int,
     seed: int,
     repair: bool,
+    picture: Path | None,
     method: str,
     quiet: bool,
 ) -> None:
@@ -70,6 +77,8 @@ def match(
     from reports.commands.paths import check_output_file
 
     check_output_file(out, (".npz",))
+    if picture is not None:
+        check_output_file(picture, (".png", ".pdf"))
     names = [
         ("reading", 1),
         ("loading libraries", 2),
@@ -99,13 +108,24 @@ def match(
         found = matcher.match(sides[0], sides[1], seed=seed)
         next(step)
         _write(out, "Correspondence", clouds[0], clouds[1], found, {"method": method, "seed": seed})
+        if picture is not None:
+            _draw(picture, clouds, (source.name, target.name), found)
     note(quiet, f"{_summary(found, clouds[0])}; written to {out}")
 
 
 @click.command(cls=Command, short_help="Find the intrinsic symmetry of a cloud.")
 @click.argument("cloud", type=click.Path(path_type=Path))
 @_shared
-def symmetry(cloud: Path, out: Path, points: int, modes: int, seed: int, repair: bool, quiet: bool) -> None:
+def symmetry(
+    cloud: Path,
+    out: Path,
+    points: int,
+    modes: int,
+    seed: int,
+    repair: bool,
+    picture: Path | None,
+    quiet: bool,
+) -> None:
     """Find the intrinsic symmetry of CLOUD: for every point, its mirror image on the same cloud (Sec. 5.2).
 
     The map has the same form as that of match, with CLOUD as source and as target.
@@ -113,6 +133,8 @@ def symmetry(cloud: Path, out: Path, points: int, modes: int, seed: int, repair:
     from reports.commands.paths import check_output_file
 
     check_output_file(out, (".npz",))
+    if picture is not None:
+        check_output_file(picture, (".png", ".pdf"))
     named = [("reading", 1), ("loading libraries", 2), ("operator", 8), ("matching", 6), ("writing", 1)]
     with steps(quiet, named) as step:
         next(step)
@@ -128,6 +150,8 @@ def symmetry(cloud: Path, out: Path, points: int, modes: int, seed: int, repair:
         found = intrinsic_symmetry(operator, seed=seed)
         next(step)
         _write(out, "Correspondence", whole, whole, found, {"method": "symmetry", "seed": seed})
+        if picture is not None:
+            _draw(picture, (whole, whole), (cloud.name, cloud.name), found)
     note(quiet, f"{_summary(found, whole)}; written to {out}")
 
 
@@ -155,6 +179,17 @@ def _write(
         "target_points": target.points,
     }
     save_record(out, kind, arrays, {"cost": float(found.cost), "flip": found.flip, **about})
+
+
+def _draw(picture: Path, clouds: "Sequence[FileCloud]", names: tuple[str, str], found: "Matching") -> None:
+    from reports.figures.maps import dense_map
+    from reports.figures.pairs import Cloud
+    from reports.figures.style import save
+
+    here, there = (Cloud(c.scan.points, c.scan.normals, name) for c, name in zip(clouds, names, strict=True))
+    up = "xyz".index(clouds[0].scan.config.up)
+    figure = dense_map(here, there, found.source_to_target, found.confidence, found.landmarks, up=up)
+    save(figure, picture.parent, picture.stem, formats=(picture.suffix.lower(),))
 
 
 def _summary(found: "Matching", source: "FileCloud") -> str:

@@ -2,14 +2,18 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
-from reports.figures.style import INK, blank
+from reports.figures.style import ABSENT, INK, blank
 from reports.render import Camera, render_points
 
 ERROR_CAP = 25.0
 """Geodesic error x100 / sqrt(area) at which the error colours end."""
+
+FILL = 2.5
+"""A target point that nothing was mapped to takes the nearest colour within this many spacings."""
 
 ERROR_COLORS = LinearSegmentedColormap.from_list(
     "error", ["#f1eef0", "#fdd49e", "#fc8d59", "#d7301f", "#67000d"]
@@ -44,6 +48,39 @@ def position_colors(positions: ArrayLike, low: ArrayLike, high: ArrayLike) -> ND
 def error_colors(errors: ArrayLike) -> NDArray[np.float64]:
     """Colour of a geodesic error x100 / sqrt(area), (n, 3)."""
     return ERROR_COLORS(np.clip(np.asarray(errors, float) / ERROR_CAP, 0, 1))[:, :3]
+
+
+def carried_colors(
+    source_to_target: NDArray[np.integer], colors: NDArray[np.float64], target: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Colours that arrive at the target: the mean of those sent to a point.
+
+    Points that receive none take the nearest colour within `FILL` spacings, or else `ABSENT`.
+
+    Parameters
+    ----------
+    source_to_target : (n,)
+        -1 for no match.
+    colors : (n, 3)
+    target : (m, 3)
+
+    Returns
+    -------
+    (m, 3) float64
+    """
+    m = len(target)
+    sent = source_to_target >= 0
+    count = np.bincount(source_to_target[sent], minlength=m)
+    total = np.stack([np.bincount(source_to_target[sent], c, minlength=m) for c in colors[sent].T], axis=1)
+    result = np.tile(to_rgb(ABSENT), (m, 1))
+    reached = np.flatnonzero(count)
+    result[reached] = total[reached] / count[reached, None]
+    if len(reached) and m > 1:
+        spacing = float(np.median(cKDTree(target).query(target, k=2)[0][:, 1]))
+        gap, nearest = cKDTree(target[reached]).query(target)
+        near = gap <= FILL * spacing
+        result[near] = result[reached[nearest[near]]]
+    return result
 
 
 def place_cloud(

@@ -86,9 +86,9 @@ def correspondence(pair: Pair, height: int = 420) -> Figure:
         blank(axes)
     source, target = pair.source, pair.target
     place_cloud(grid[0, 0], source.points, source.normals, pair.source_colors, source_camera)
-    _title(grid[0, 0], "source", source.caption)
+    caption(grid[0, 0], "source", source.caption)
     place_cloud(grid[1, 0], target.points, target.normals, pair.truth_colors, target_camera)
-    _title(grid[1, 0], "target, truth", target.caption)
+    caption(grid[1, 0], "target, truth", target.caption)
     for b, block in enumerate(blocks):
         for axes, panel in zip(grid[2 * b : 2 * b + 2, 1:].T, block, strict=False):
             _panel(axes[0], axes[1], pair, panel, source_camera, target_camera)
@@ -98,16 +98,17 @@ def correspondence(pair: Pair, height: int = 420) -> Figure:
 
 def _panel(top: Axes, bottom: Axes, pair: Pair, panel: Panel, source: Camera, target: Camera) -> None:
     place_cloud(top, pair.target.points, pair.target.normals, panel.target_colors, target)
-    _title(top, panel.title, panel.note)
+    caption(top, panel.title, panel.note)
     place_cloud(bottom, pair.source.points, pair.source.normals, error_colors(panel.errors), source)
-    _title(bottom, "", "error per source point")
+    caption(bottom, "", "error per source point")
     if len(panel.landmarks):
         for axes, cloud, camera, column in ((bottom, pair.source, source, 0), (top, pair.target, target, 1)):
             ids = panel.landmarks[:, column]
             mark_landmarks(axes, cloud.points[ids], cloud.normals[ids], camera)
 
 
-def _title(axes: Axes, title: str, note: str) -> None:
+def caption(axes: Axes, title: str, note: str) -> None:
+    """Head and a line of small print over a picture."""
     axes.set_title(title, pad=15)
     axes.text(0, 1.015, note, transform=axes.transAxes, fontsize=7.5, color=QUIET, va="bottom")
 

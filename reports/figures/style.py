@@ -90,23 +90,29 @@ def new_figure(
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-_FORMATS: dict[str, dict[str, Any]] = {
+_OPTIONS: dict[str, dict[str, Any]] = {
     ".png": {"pil_kwargs": {"compress_level": 4}},
     ".pdf": {"metadata": {"CreationDate": None, "Producer": None}},
 }
 
 
-def save(figure: Figure, folder: str | os.PathLike[str], name: str, dpi: int = 160) -> Path:
-    """Write ``name.pdf`` and ``name.png`` into a folder; return the path of the PNG.
+def save(
+    figure: Figure,
+    folder: str | os.PathLike[str],
+    name: str,
+    formats: Sequence[str] = (".png", ".pdf"),
+    dpi: int = 160,
+) -> list[Path]:
+    """Write a figure into a folder, a file per format; return their paths.
 
     The files are the same for the same figure: no dates are written.
     """
     with mpl.rc_context(_SETTINGS):
-        for suffix, options in _FORMATS.items():
+        for suffix in formats:
             with atomic_path(Path(folder) / (name + suffix)) as temporary:
-                figure.savefig(temporary, dpi=dpi, **options)
+                figure.savefig(temporary, dpi=dpi, **_OPTIONS[suffix])
             figure.set_layout_engine("none")  # both formats share one layout, which is slow to find
-    return Path(folder) / f"{name}.png"
+    return [Path(folder) / (name + suffix) for suffix in formats]
 
 
 def method_colors(methods: Iterable[str]) -> dict[str, str]:

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from matplotlib.colors import to_rgb
 
 from evaluation.store import ResultsStore
-from reports.correspondence import COUNTERPART, PairMaker, carried_colors, note, true_colors
-from reports.figures.clouds import ERROR_CAP, error_colors, position_colors
+from reports.correspondence import COUNTERPART, PairMaker, note, true_colors
+from reports.figures.clouds import ERROR_CAP, carried_colors, error_colors, position_colors
 from reports.figures.style import ABSENT
 from reports.tables import plain
 

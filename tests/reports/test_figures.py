@@ -4,6 +4,7 @@ import pytest
 
 from evaluation.store import ResultsStore
 from reports.figures.accuracy import error_against_missing, pck
+from reports.figures.maps import dense_map
 from reports.figures.pairs import Cloud, Pair, Panel, correspondence
 from reports.figures.scans import ScanView, scans
 from reports.figures.stability import stability
@@ -92,6 +93,16 @@ def test_pairs_show_all_methods(methods):
         text.get_text() for axes in figure.axes for text in axes.texts if text.get_text() in ("1", "2")
     ]
     assert len(numbers) == 4 * methods  # both landmarks, on both sides
+
+
+def test_maps_without_truth_show_both_clouds_and_confidence():
+    points, normals = cloud()
+    side = Cloud(points, normals, "a.npz")
+    image = np.r_[-1, np.arange(1, len(points))]
+    figure = dense_map(side, side, image, np.linspace(0, 1, len(points)), np.array([[1, 1]]), height=60)
+    shown = [axes for axes in figure.axes if axes.get_images()]
+    assert [axes.get_title(loc="left") for axes in shown] == ["source", "target", "confidence"]
+    assert [[t.get_text() for t in axes.texts].count("1") for axes in shown] == [1, 1, 0]
 
 
 def test_scans_have_a_row_per_pose():
