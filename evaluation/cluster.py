@@ -76,7 +76,7 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
                 n_workers=jobs or len(os.sched_getaffinity(0)),
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address=":0" if find_spec("bokeh") else None,
+                dashboard_address=":0",
                 silence_logs=logging.CRITICAL,
             )
             client = Client(stack.enter_context(local))
@@ -118,5 +118,5 @@ def _check(client: "Client", folder: Path) -> None:
 
 def _dashboard(client: "Client") -> str:
     if not find_spec("bokeh"):
-        return "needs bokeh: pip install bokeh"
+        return "off (pip install bokeh to have it)"
     return str(client.dashboard_link or "")

@@ -94,10 +94,10 @@ class Bars:
         self._forecast = Forecast(dict(waiting), workers)
         if self._bar is None:
             self._rich.start()
+            if dashboard:
+                self._rich.console.print(f"dashboard: {dashboard}", highlight=False)
         else:
             self._rich.remove_task(self._bar)
-        if dashboard:
-            self._rich.console.print(f"dashboard: {dashboard}")
         total = sum(waiting.values())
         self._bar = self._rich.add_task("starting", total=total, rate=f"{stored} stored" if stored else "")
 

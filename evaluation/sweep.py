@@ -109,7 +109,7 @@ def execute(
 
     queue = Queue(tasks, stored)
     failures: list[Report] = []
-    flying: dict[str, Task] = {}
+    flying: dict[tuple[str, str], Task] = {}
     done = as_completed(with_results=True, raise_errors=False)
 
     def submit() -> None:
@@ -117,7 +117,10 @@ def execute(
             task = queue.pop()
             if task is None:
                 return
-            key = f"{task.key}-{run}"
+            key = (
+                f"{task.stage}-{run}",
+                task.key,
+            )  # grouped by stage: the scheduler remembers groups for ever
             flying[key] = task
             done.add(
                 cluster.client.submit(runner, str(folder), task, run, limit, key=key, pure=False, retries=0)

@@ -1,0 +1,106 @@
+"""What a sweep costs besides its tasks. Run with ``pytest tests/benchmarks/test_sweep_perf.py --benchmark-only``."""
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from evaluation.cluster import connect
+from evaluation.progress import Silent
+from evaluation.sweep import execute
+from evaluation.tasks import Report, Task
+from tests.evaluation.conftest import blobs, method_file, small  # noqa: F401  (fixtures)
+
+MANY = int(os.environ.get("MEDIALBENCH_MANY", "20000"))
+"""Trivial tasks of the memory test; 100000 takes some minutes."""
+
+
+def trivial(folder, task, run, limit):
+    """A task that does nothing, with a result as large as a real report."""
+    return Report(task, True, seconds=0.0, detail="x" * 1000)
+
+
+def spin(folder, task, run, limit):
+    """A task that keeps a processor busy for a tenth of a second of its own time."""
+    start = time.process_time()
+    while time.process_time() - start < 0.1:
+        pass
+    return Report(task, True, seconds=0.1)
+
+
+def chain(n, width=50):
+    """Tasks of which each needs the one `width` before it."""
+    for i in range(n):
+        yield Task(
+            f"t{i}", "scan", {"number": i}, {"scan": f"t{i - width}"} if i >= width else {}, f"task {i}"
+        )
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    with connect(tmp_path_factory.mktemp("cluster"), 2, None) as found:
+        yield found
+
+
+def run_all(cluster, tasks, runner, name):
+    failures = execute(cluster, Path("."), tasks, (), run=name, limit=60, progress=Silent(), runner=runner)
+    assert not failures
+
+
+def test_overhead_per_task(benchmark, cluster):
+    """Seconds per 500 trivial tasks; the goal is below 25 (50 ms a task)."""
+    count = iter(range(10**6))
+    benchmark.pedantic(
+        lambda: run_all(cluster, list(chain(500)), trivial, f"o{next(count)}"), rounds=3, warmup_rounds=1
+    )
+    assert benchmark.stats["median"] / 500 < 0.05
+
+
+def test_both_workers_are_busy(benchmark, cluster):
+    """200 tasks of 0.1 s: busy time over wall time and workers; the goal is 0.85 (on an idle machine)."""
+    count = iter(range(10**6))
+    tasks = list(chain(200))
+    benchmark.pedantic(lambda: run_all(cluster, tasks, spin, f"b{next(count)}"), rounds=1)
+    benchmark.extra_info["busy"] = 200 * 0.1 / cluster.workers / benchmark.stats["median"]
+
+
+@dataclass
+class Memory(Silent):
+    """Progress that notes this process's memory now and then, in MB."""
+
+    every: int
+    ended: int = 0
+
+    def __post_init__(self):
+        self.seen = []
+
+    def advance(self, report):
+        self.ended += 1
+        if self.ended % self.every == 0:
+            pages = int(Path("/proc/self/statm").read_text().split()[1])
+            self.seen.append(pages * os.sysconf("SC_PAGE_SIZE") / 2**20)
+
+
+def test_memory_does_not_grow_with_results(benchmark, cluster):
+    """Memory of the process that plans, schedules and collects, from a quarter of the tasks to all of them."""
+    tasks, memory = list(chain(MANY)), Memory(every=MANY // 20)
+    benchmark.pedantic(
+        lambda: execute(cluster, Path("."), tasks, (), run="m", limit=60, progress=memory, runner=trivial),
+        rounds=1,
+    )
+    benchmark.extra_info["megabytes"] = memory.seen
+    assert (
+        memory.seen[-1] - memory.seen[4] < 50 + 0.001 * MANY
+    )  # a report of 1 kB kept would be 75 MB per 100,000
+
+
+def test_a_repeated_command(benchmark, small, tmp_path):  # noqa: F811
+    """A finished experiment asked for again; the goal is below 3 s, imports included elsewhere."""
+    from evaluation import run
+
+    experiment = small()
+    run(experiment, tmp_path / "results", jobs=2)
+    benchmark.pedantic(lambda: run(experiment, tmp_path / "results"), rounds=5, warmup_rounds=1)
+    assert benchmark.stats["median"] < 3
