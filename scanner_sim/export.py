@@ -157,5 +157,5 @@ def write_range_images(scan: "Scan", folder: str | os.PathLike[str], suffix: str
 
 def _write_image(values: NDArray[Any], file: Path) -> None:
     """Write one channel with Mitsuba's own writer."""
-    with variant.active(variant.SCALAR) as mi, atomic_path(file) as temporary:
+    with variant.active() as mi, atomic_path(file) as temporary:
         mi.Bitmap(values[..., None]).write(str(temporary))

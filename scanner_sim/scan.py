@@ -46,6 +46,8 @@ class Scan:
         Name of the scanned shape.
     config : ScannerConfig
     seed : int
+    variant : str
+        Mitsuba variant that traced the rays; empty for ideal samples.
     """
 
     points: NDArray[np.float64]
@@ -63,6 +65,7 @@ class Scan:
     shape_name: str = ""
     config: ScannerConfig = field(default_factory=ScannerConfig)
     seed: int = 0
+    variant: str = ""
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -111,7 +114,7 @@ class Scan:
             write_ply(self, path)
             return
         arrays = {name: getattr(self, name) for name in (*_ARRAYS, "poses")}
-        meta = {name: getattr(self, name) for name in ("shape_name", "seed", "scale")}
+        meta = {name: getattr(self, name) for name in ("shape_name", "seed", "scale", "variant")}
         meta["config"] = asdict(self.config)
         save_record(path, "Scan", arrays, meta)
 
@@ -123,5 +126,5 @@ class Scan:
         return cls(**arrays, **meta)
 
 
-_WHOLE = ("poses", "scale", "shape_name", "config", "seed")
+_WHOLE = ("poses", "scale", "shape_name", "config", "seed", "variant")
 _ARRAYS = [f.name for f in fields(Scan) if f.name not in _WHOLE]

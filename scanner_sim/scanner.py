@@ -157,6 +157,7 @@ def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:
         shape_name=shape.name,
         config=config,
         seed=seed,
+        variant=rig.tracer.variant,
     )
     if config.normals == "true":
         return found

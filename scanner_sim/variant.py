@@ -43,6 +43,8 @@ _FOLDERS = (
     "/usr/local/opt/llvm*/lib",
 )
 _log = logging.getLogger(__name__)
+_set_here: set[str] = set()
+"""Variants that `active` has set in this process."""
 
 
 @dataclass(frozen=True)
@@ -234,7 +236,10 @@ def _limit_threads() -> None:
 
 @contextmanager
 def active(name: str | None = None) -> Iterator[Any]:
-    """Mitsuba with a variant set, by default the chosen one; the caller's variant is put back afterwards.
+    """Mitsuba with a variant set, by default the chosen one.
+
+    Setting a variant reloads parts of Mitsuba and is slow, so it is left set, unless the caller had set
+    another one, which is put back.
 
     Parameters
     ----------
@@ -251,9 +256,10 @@ def active(name: str | None = None) -> Iterator[Any]:
     before = mi.variant()
     if before != name:
         mi.set_variant(name)
+        _set_here.add(name)
     _limit_threads()
     try:
         yield mi
     finally:
-        if before is not None and before != name:
+        if before not in (None, name) and before not in _set_here:
             mi.set_variant(before)

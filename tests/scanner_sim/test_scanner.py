@@ -83,6 +83,7 @@ def test_saved_scan_comes_back(capsule, tmp_path):
     assert np.array_equal(after.points, before.points)
     assert np.array_equal(after.poses, before.poses)
     assert (after.config, after.seed, after.scale) == (before.config, 7, before.scale)
+    assert after.variant == before.variant != ""
 
 
 def test_ideal_sample_is_complete_even_and_exact(capsule):

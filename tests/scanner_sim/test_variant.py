@@ -102,14 +102,16 @@ def test_libraries_are_real_files_newest_first():
     assert len(set(found)) == len(found)
 
 
-def test_callers_variant_is_put_back():
-    import mitsuba as mi
-
-    before = mi.variant()
-    with variant.active(variant.SCALAR) as inside:
-        assert inside.variant() == variant.SCALAR
-    if before is not None:
-        assert mi.variant() == before
+def test_a_callers_own_variant_is_put_back_and_ours_is_left():
+    """Each in a process of its own: it is about what was set first."""
+    for first, last in (("", "scalar_rgb"), ("mi.set_variant('scalar_spectral');", "scalar_spectral")):
+        code = (
+            f"import mitsuba as mi; {first}"
+            "from scanner_sim import variant\n"
+            "with variant.active('scalar_rgb') as inside: assert inside.variant() == 'scalar_rgb'\n"
+            f"assert mi.variant() == {last!r}, mi.variant()"
+        )
+        subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_importing_the_scanner_does_not_load_mitsuba():
