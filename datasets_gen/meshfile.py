@@ -49,7 +49,9 @@ def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: s
         raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from error
     except Exception as error:  # parsers raise anything from IndexError to struct.error on a broken file
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{str(path)!r} cannot be read as a mesh ({reason}); export it again") from error
+        raise InputError(
+            f"{str(path)!r} is cut short or no {file.suffix} mesh ({reason}); export it again"
+        ) from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise InputError(f"{str(path)!r} has no faces; a point cloud cannot be scanned, give a mesh")
     subject = subject or file.stem
