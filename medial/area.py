@@ -8,19 +8,13 @@ from scipy.spatial import cKDTree
 from medial.area_hull import hull_areas
 from medial.ball import candidate_ball, columns
 from medial.checks import check_cloud, check_points
-from medial.compiled import compiled, ranges, run_tasks
+from medial.compiled import compiled, ranges, run_tasks, thread_count
 from medial.similarity_tree import kd_order, leaf_spheres
 from medial.surface import surface_areas
 
 EPSILON = 1.5  # radius of Eq. 10 in units of the average sampling distance
 ROWS_PER_TASK = 512
 LEAVES_PER_TASK = 64
-
-
-def sampling_distance(points: NDArray[np.floating]) -> float:
-    """Mean distance of a point to its nearest neighbour, in the units of `points`."""
-    distances, _ = cKDTree(points).query(points, k=2)
-    return float(distances[:, 1].mean())
 
 
 def medial_axis(
@@ -92,6 +86,7 @@ def dual_areas(
     centers: NDArray[np.floating],
     radii: NDArray[np.floating],
     normals: NDArray[np.floating] | None = None,
+    nearest: int = 0,
 ) -> NDArray[np.float64]:
     r"""Dual area |\star p| of every point: a third of the hull triangles around it (Eq. 10).
 
@@ -108,6 +103,10 @@ def dual_areas(
         From `medial_axis`.
     normals : (n, 3), optional
         For the fallback; the direction from the centre to the point where not given.
+    nearest
+        Points next to this one that join the hull in any case. Eq. 10 has none: then a point whose neighbours
+        on the surface happen to have other medial centres gets triangles that span half the body (on a human
+        at 20,000 points, a third of the total area sits on 4 % of the points).
 
     Returns
     -------
@@ -118,7 +117,11 @@ def dual_areas(
     radii = np.ascontiguousarray(radii, dtype=np.float64)
     order = kd_order(centers)
     sphere = leaf_spheres(centers[order])
-    arrays = (points[order], centers[order], radii[order], sphere, EPSILON * sampling_distance(points))
+    tree = cKDTree(points[order])
+    distances, neighbours = tree.query(points[order], k=max(nearest, 1) + 1, workers=thread_count())
+    epsilon = EPSILON * float(distances[:, 1].mean())
+    joined = np.ascontiguousarray(neighbours[:, 1 : nearest + 1])
+    arrays = (points[order], centers[order], radii[order], joined, sphere, epsilon)
     parts = run_tasks(hull_areas, [(*arrays, *span) for span in ranges(len(sphere), LEAVES_PER_TASK)])
     areas = np.empty(len(points))
     areas[order] = np.concatenate(parts)
@@ -127,3 +130,17 @@ def dual_areas(
         outward = points - centers if normals is None else np.asarray(normals, dtype=np.float64)
         areas[lost] = surface_areas(points, outward)[lost]
     return areas
+
+
+def calibrated(areas: NDArray[np.float64], surface: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Dual areas scaled so that their median ratio to the surface areas is 1.
+
+    Around most points nothing is missing, and there both measure the same thing. The hulls of Eq. 10 fall
+    short by a share that depends on the sampling (9 % at 5,000 points on a human, 3 % at 20,000).
+
+    Parameters
+    ----------
+    areas, surface : (n,)
+        From `dual_areas` and `medial.surface_areas`.
+    """
+    return areas / float(np.median(areas / surface))

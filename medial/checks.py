@@ -20,17 +20,17 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     InputError
         If the array is not (n, 3), has fewer than 8 rows or holds values that are not finite.
     """
-    points = np.ascontiguousarray(points, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"points have shape {points.shape}; give an (n, 3) array")
-    if len(points) < FEWEST_POINTS:
-        raise InputError(f"{len(points)} points are too few; give at least {FEWEST_POINTS}")
-    bad = ~np.isfinite(points).all(axis=1)
+    checked: NDArray[np.float64] = np.ascontiguousarray(points, dtype=np.float64)
+    if checked.ndim != 2 or checked.shape[1] != 3:
+        raise InputError(f"points have shape {checked.shape}; give an (n, 3) array")
+    if len(checked) < FEWEST_POINTS:
+        raise InputError(f"{len(checked)} points are too few; give at least {FEWEST_POINTS}")
+    bad = ~np.isfinite(checked).all(axis=1)
     if bad.any():
         raise InputError(
             f"{bad.sum()} points are not finite, the first is number {bad.argmax()}; remove them"
         )
-    return points
+    return checked
 
 
 def check_cloud(

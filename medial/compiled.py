@@ -33,11 +33,11 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any
 
 
 def thread_count() -> int:
-    """Threads a kernel may use: the smallest of the processors we may run on, NUMBA_NUM_THREADS and OMP_NUM_THREADS.
+    """Threads a kernel may use: the least of our processors, NUMBA_NUM_THREADS and OMP_NUM_THREADS.
 
     Dask sets OMP_NUM_THREADS to 1 in its workers, so a sweep does not oversubscribe the machine.
     """
-    count = int(numba.config.NUMBA_NUM_THREADS)
+    count = int(numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
     limit = os.environ.get("OMP_NUM_THREADS", "").split(",")[0]
     return max(1, min(count, int(limit))) if limit.isdigit() else count
 

@@ -14,6 +14,7 @@ from medial.sparse import symmetric
 BANDWIDTH = 3.0  # h of the Gaussian in areas per point: about (twice the mean nearest distance)^2
 SMALLEST_WEIGHT = 1e-3  # Gaussian weights below this are dropped beyond the nearest neighbours
 NEAREST = 8  # neighbours every point keeps
+WIDEST = 0.7  # least bandwidth in squared distances to the last of them
 REACHED = 64  # pi * BANDWIDTH * ln(1 / SMALLEST_WEIGHT): neighbours with larger weights
 
 
@@ -35,9 +36,10 @@ class Gaussian(NamedTuple):
 def gaussian_weights(points: NDArray[np.floating], areas: NDArray[np.floating]) -> Gaussian:
     """Gaussian weights alpha = exp(-|p - q|^2 / h) [BSW09].
 
-    The bandwidth follows the sampling: h is three times the area that the two points stand for (geometric mean),
-    and at least large enough to reach the eight nearest neighbours, which every point keeps, so that no point is
-    isolated. On a uniform cloud h is constant, about the square of twice the mean nearest distance.
+    The bandwidth follows the sampling: h is three times the area that the two points stand for (geometric
+    mean), and at least large enough to reach the eight nearest neighbours, which every point keeps, so that
+    no point is isolated. On a uniform cloud h is constant, about the square of twice the mean nearest
+    distance.
 
     Parameters
     ----------
@@ -53,7 +55,9 @@ def gaussian_weights(points: NDArray[np.floating], areas: NDArray[np.floating]) 
     rows = np.repeat(np.arange(n), reached)
     cols = neighbours[:, 1:].ravel()
     far = distances[:, nearest]
-    h = np.maximum(BANDWIDTH * np.sqrt(smooth[rows] * smooth[cols]), far[rows] * far[cols])
+    h = np.maximum(
+        BANDWIDTH * np.sqrt(smooth[rows] * smooth[cols]), WIDEST * np.maximum(far[rows], far[cols]) ** 2
+    )
     alpha = np.exp(-(distances[:, 1:].ravel() ** 2) / h)
     kept = (alpha >= SMALLEST_WEIGHT) | (np.tile(np.arange(reached), n) < nearest)
     kept &= rows != cols
@@ -103,8 +107,8 @@ def diffusion_rates(
 ) -> NDArray[np.float64]:
     """Factors that make the Gaussian part of Eq. 15 diffuse as it does on a cloud of the reference size.
 
-    Normalised by its degree, a Gaussian of bandwidth h diffuses h / 4 per unit of time, so a finer cloud with its
-    smaller h would diffuse more slowly. The factor h_ref / h undoes that, with h_ref the bandwidth at
+    Normalised by its degree, a Gaussian of bandwidth h diffuses h / 4 per unit of time, so a finer cloud with
+    its smaller h would diffuse more slowly. The factor h_ref / h undoes that, with h_ref the bandwidth at
     `reference_points` points on `total_area`.
     """
     return BANDWIDTH * total_area / reference_points / bandwidths

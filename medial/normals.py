@@ -15,7 +15,7 @@ log = logging.getLogger(__name__)
 
 PATCH = 16  # neighbours of a fitted plane
 SAMPLE = 1200  # points of the test for inward normals
-DISAGREEING = 0.05  # share of neighbours with opposite normals that is worth a warning
+DISAGREEING = 0.15  # share of neighbours with opposite normals worth a warning; thin parts have some
 INWARD = 2.0  # how much more similarity outside than inside says that normals point inward
 
 
@@ -98,6 +98,8 @@ def check_normals(points: NDArray[np.float64], normals: NDArray[np.float64]) -> 
         )
     share = inside_share(points, normals)
     if share < 1 / (1 + INWARD):
-        log.warning("normals point inward (%.0f %% of the medial balls lie outside): flipped", 100 * (1 - share))
+        log.warning(
+            "normals point inward (%.0f %% of the medial balls lie outside): flipped", 100 * (1 - share)
+        )
         return -normals
     return normals

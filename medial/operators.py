@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from datasets_gen.records import InputError
-from medial.area import dual_areas, medial_axis
+from medial.area import calibrated, dual_areas, medial_axis
 from medial.checks import check_cloud, check_points
 from medial.heat import heat_laplacian
 from medial.laplacian import combine, diffusion_rates, gaussian_weights, laplacian
 from medial.normals import check_normals, estimate_normals
 from medial.robust import tufted_laplacian
-from medial.similarity import similarity
+from medial.similarity import check_similarity, similarity
 from medial.similarity_tree import kd_order
 from medial.spectrum import Modes, smallest_modes, sparse_modes
 from medial.surface import REFERENCE_POINTS, density_weights, surface_areas
@@ -23,6 +23,7 @@ from medial.surface import REFERENCE_POINTS, density_weights, surface_areas
 log = logging.getLogger(__name__)
 
 OPERATORS = ("medial", "heat", "robust")
+NEAREST = 12  # points next to each one that join its hull (`dual_areas`)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,8 +42,8 @@ class Operator:
     cutoff
         Smallest similarity kept.
     reference_points
-        Cloud size sigma_e refers to (`medial.density_weights`); None counts every point once, as Eq. 5 is
-        written.
+        Cloud size that sigma_e, the Gaussian part and the areas refer to (`docs/operator.md`); None takes
+        every equation as written, so that the result depends on the number of points.
     tolerance
         Residual of the modes relative to the largest eigenvalue.
     """
@@ -63,6 +64,11 @@ class Operator:
             raise InputError(f"modes is {self.modes}; ask for at least 1")
         if self.eta is not None and not 0 <= self.eta <= 1:
             raise InputError(f"eta is {self.eta}; choose it in [0, 1]")
+        if self.reference_points is not None and not 0 < self.reference_points < np.inf:
+            raise InputError(f"reference_points is {self.reference_points}; give a positive number or None")
+        if not 0 < self.tolerance < 1:
+            raise InputError(f"tolerance is {self.tolerance}; choose it in (0, 1)")
+        check_similarity(self.sigma_e, self.sigma_t, self.cutoff)
 
 
 @dataclass(frozen=True)
@@ -88,7 +94,8 @@ def build(
 ) -> Basis:
     """Build the operator of a cloud and take its modes.
 
-    Points at the same place count as one while the operator is built; each of them gets its share of the area.
+    Points at the same place count as one while the operator is built; each of them gets its share of the
+    area.
 
     Parameters
     ----------
@@ -201,7 +208,12 @@ def medial_weights(
     if phi.nnz == 0:
         log.warning("no two points share a medial ball (a flat cloud?): only the Gaussian weights act")
     centers, radii = medial_axis(points, normals, phi)
-    areas = dual_areas(points, centers, radii, normals)
+    if reference is None:
+        areas = dual_areas(points, centers, radii, normals)
+    else:
+        areas = calibrated(
+            dual_areas(points, centers, radii, normals, min(NEAREST, len(points) - 1)), surface
+        )
     if config.eta is None:
         return phi, areas, centers, radii
     alpha, bandwidths = gaussian_weights(points, surface)

@@ -60,7 +60,8 @@ def similarity(
     points, normals = check_cloud(points, normals)
     n = len(points)
     mass = np.ones(n) if weights is None else np.ascontiguousarray(weights, dtype=np.float64)
-    _check(n, sigma_e, sigma_t, cutoff, mass)
+    check_similarity(sigma_e, sigma_t, cutoff)
+    _check_weights(mass, n)
     cap = smallest_width(points) if r_cap is None else float(r_cap)
     extent = float(np.ptp(points, axis=0).max())
     if cap <= 1e-9 * extent:
@@ -80,18 +81,22 @@ def similarity(
         total += len(found[-1][2])
         if total > MOST_PAIRS:
             raise InputError(
-                f"more than {MOST_PAIRS:.3g} of the pairs of {n} points are similar: the shape is close to a ball; "
-                "give fewer points or a larger cutoff"
+                f"more than {MOST_PAIRS:.3g} of the pairs of {n} points are similar: the shape is close to "
+                "a ball; give fewer points or a larger cutoff"
             )
     i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
     return symmetric(i, j, phi, n)
 
 
-def _check(n: int, sigma_e: float, sigma_t: float, cutoff: float, mass: NDArray[np.float64]) -> None:
+def check_similarity(sigma_e: float, sigma_t: float, cutoff: float) -> None:
+    """Raise `InputError` if a parameter of Eq. 7 is out of range."""
     for name, value in (("sigma_e", sigma_e), ("sigma_t", sigma_t)):
         if not 0 < value < np.inf:
             raise InputError(f"{name} is {value!r}; give a positive number")
     if not 0 < cutoff < 1:
         raise InputError(f"cutoff is {cutoff!r}; choose it in (0, 1)")
+
+
+def _check_weights(mass: NDArray[np.float64], n: int) -> None:
     if mass.shape != (n,) or not (np.isfinite(mass).all() and (mass >= 0).all()):
         raise InputError(f"weights must be {n} finite numbers >= 0, got shape {mass.shape}")

@@ -67,7 +67,9 @@ def _cells(cloud: Any, cells: Any, pairs: Any, settings: Any, values: Any, start
     gathered, near = np.empty((n, 5)), np.empty((n + CHUNK, 4), np.float32)
     leaves = np.empty(total + 1, np.int64)
     listed, held, held_at = 0, -1.0, np.zeros(3)
-    room = np.diff(pairs.starts[start : stop + 1]).max()
+    room = 0
+    for cell in range(start, stop):
+        room = max(room, pairs.starts[cell + 1] - pairs.starts[cell])
     balls = _Balls(
         np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.float32),
         np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.float32),
@@ -80,7 +82,8 @@ def _cells(cloud: Any, cells: Any, pairs: Any, settings: Any, values: Any, start
         )
         if count == 0:
             continue
-        if np.sqrt(((center - held_at) ** 2).sum()) + reach > held:
+        dx, dy, dz = center[0] - held_at[0], center[1] - held_at[1], center[2] - held_at[2]
+        if np.sqrt(dx * dx + dy * dy + dz * dz) + reach > held:
             held, held_at = 1.5 * reach, center  # neighbouring cells share one list of leaves
             listed = _leaves_within(cloud.spheres, center, held, leaves)
         ends, nearest, scale = _gather(cloud, leaves[:listed], center, reach, gathered, near)
@@ -128,7 +131,7 @@ def _leaves_within(spheres: Any, center: Any, reach: float, leaves: Any) -> Any:
 
 @compiled()
 def _gather(cloud: Any, leaves: Any, center: Any, reach: float, gathered: Any, near: Any) -> Any:
-    """Points at most `reach` from `center`, relative to it, ring by ring; ends of the rings and their spacing."""
+    """Points at most `reach` from `center`, relative to it, ring by ring; ends and scale of the rings."""
     found, nearest = 0, reach
     for leaf in leaves:
         sphere = cloud.spheres[leaf]
@@ -152,7 +155,8 @@ def _gather(cloud: Any, leaves: Any, center: Any, reach: float, gathered: Any, n
     place = ends[:-1].copy()
     for k in range(found):
         ring = int((gathered[k, 4] - nearest) * scale)
-        near[place[ring]] = gathered[k, :4]
+        for axis in range(4):
+            near[place[ring], axis] = gathered[k, axis]
         place[ring] += 1
     near[found : found + CHUNK] = 0.0  # weightless padding to whole chunks
     return ends, nearest, scale
@@ -162,7 +166,7 @@ def _gather(cloud: Any, leaves: Any, center: Any, reach: float, gathered: Any, n
 def _sum_depths(
     balls: Any, count: int, reach: float, near: Any, ends: Any, nearest: float, scale: float
 ) -> Any:
-    """Sum the depths of balls [0, count), dropping those too full; the number left, compacted to the front."""
+    """Sum the depths of balls [0, count), dropping those too full; the number left, moved to the front."""
     first, size = 0, CHUNK
     while count > 0:
         end = ends[min(max(int((reach - nearest) * scale), 0), RINGS - 1) + 1]
@@ -173,8 +177,9 @@ def _sum_depths(
         kept, reach = 0, 0.0
         for k in range(count):
             if balls.depth[k] <= balls.most[k]:
-                for field in (balls.x, balls.y, balls.z, balls.inverse, balls.most, balls.depth):
-                    field[kept] = field[k]
+                balls.x[kept], balls.y[kept], balls.z[kept] = balls.x[k], balls.y[k], balls.z[k]
+                balls.inverse[kept], balls.most[kept] = balls.inverse[k], balls.most[k]
+                balls.depth[kept] = balls.depth[k]
                 balls.tilt[kept], balls.outer[kept], balls.pair[kept] = (
                     balls.tilt[k],
                     balls.outer[k],
@@ -191,7 +196,7 @@ def _sum_depths(
 
 @compiled(fastmath={"contract", "reassoc", "nsz"})
 def _add(near: Any, first: int, last: int, cx: Any, cy: Any, cz: Any, inverse: Any, depth: Any) -> None:
-    """Add mass (1 - (|p - c| / r)^4)_+ (Eq. 6) of points [first, last) to every ball's depth, four at a time."""
+    """Add mass (1 - (|p - c| / r)^4)_+ (Eq. 6) of points [first, last) to every depth, four at a time."""
     one, zero = np.float32(1), np.float32(0)
     for m in range(first, last, 4):
         x0, y0, z0, w0 = near[m, 0], near[m, 1], near[m, 2], near[m, 3]

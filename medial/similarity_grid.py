@@ -236,7 +236,7 @@ def _alive(
     level: int,
     scratch: Any,
 ) -> Any:
-    """Whether some leaf within rho may face away from the cell; drops farther leaves from the level's list."""
+    """Whether some leaf within rho may face away from the cell; drops farther leaves from the list."""
     mine, away = lists[level], scratch[2]
     kept, alive = 0, False
     for k in range(lengths[level]):
@@ -253,7 +253,7 @@ def _alive(
 
 @compiled()
 def _faces_away(sphere: Any, cone: Any, center: Any, half: float, distance: float, limit: float) -> Any:
-    """Whether a normal of the leaf can enclose at most acos(limit) with the direction from a point of the cell."""
+    """Whether a normal of the leaf can be within acos(limit) of its direction from a point of the cell."""
     spread = sphere[3] + half
     if distance <= spread or cone[3] <= 0.0:
         return True

@@ -168,8 +168,8 @@ def _cull(screen: Any, spheres: Any, table: Any, cap: float, start: int, stop: i
                     cells = np.concatenate((cells, np.empty(room, np.int32)))
                     room *= 2
                 _test(
-                    screen, i, screen.x[begin:end], screen.y[begin:end], screen.z[begin:end], screen.u[begin:end],
-                    screen.v[begin:end], screen.w[begin:end], places, radii,
+                    screen, i, screen.x[begin:end], screen.y[begin:end], screen.z[begin:end],
+                    screen.u[begin:end], screen.v[begin:end], screen.w[begin:end], places, radii,
                 )  # fmt: skip
                 for j in range(end - begin):
                     if radii[j] <= screen.squares[places[j]]:

@@ -1,4 +1,4 @@
-"""The cloud in kd-tree order, cut into leaves of eight points: bounding sphere, normal cone and weight of each."""
+"""The cloud in kd-tree order, cut into leaves of eight points with bounding sphere and normal cone."""
 
 from typing import Any, NamedTuple
 
@@ -55,7 +55,10 @@ def kd_cloud(
     canonical = np.lexsort((*normals.T, *points.T))
     order = canonical[kd_order(np.ascontiguousarray(points[canonical]))]
     points, normals, mass = points[order], normals[order], mass[order]
-    return Cloud(*columns(points), *columns(normals), mass, *_bounds(points, normals, mass)), order
+    cones, weights = _normal_cones(normals, mass)
+    x, y, z = columns(points)
+    u, v, w = columns(normals)
+    return Cloud(x, y, z, u, v, w, mass, leaf_spheres(points), cones, weights), order
 
 
 @compiled()
@@ -129,33 +132,36 @@ def leaf_spheres(points: Any) -> Any:
     for leaf in range(len(spheres)):
         start, stop = leaf * LEAF, min(leaf * LEAF + LEAF, n)
         for axis in range(3):
-            spheres[leaf, axis] = 0.5 * (points[start:stop, axis].min() + points[start:stop, axis].max())
-        square = 0.0
+            low = high = points[start, axis]
+            for k in range(start + 1, stop):
+                low, high = min(low, points[k, axis]), max(high, points[k, axis])
+            spheres[leaf, axis] = 0.5 * (low + high)
         for k in range(start, stop):
-            square = max(square, ((points[k] - spheres[leaf, :3]) ** 2).sum())
-        spheres[leaf, 3] = np.sqrt(square)
+            square = 0.0
+            for axis in range(3):
+                square += (points[k, axis] - spheres[leaf, axis]) ** 2
+            spheres[leaf, 3] = max(spheres[leaf, 3], np.sqrt(square))
     return spheres
 
 
 @compiled()
-def _bounds(points: Any, normals: Any, mass: Any) -> Any:
-    n = len(points)
-    spheres = leaf_spheres(points)
-    count = len(spheres)
-    cones = np.zeros((count, 5))
-    weights = np.zeros(count)
+def _normal_cones(normals: Any, mass: Any) -> Any:
+    """Cone around the normals of every eight points, and their total weight."""
+    n = len(normals)
+    count = (n + LEAF - 1) // LEAF
+    cones, weights = np.zeros((count, 5)), np.zeros(count)
     for leaf in range(count):
         start, stop = leaf * LEAF, min(leaf * LEAF + LEAF, n)
-        length = 0.0
+        cone, length, cosine = cones[leaf], 0.0, 1.0
         for axis in range(3):
-            cones[leaf, axis] = normals[start:stop, axis].sum()
-            length += cones[leaf, axis] ** 2
-        if length > 0:
-            cones[leaf, :3] /= np.sqrt(length)
-        cosine = 1.0
+            for k in range(start, stop):
+                cone[axis] += normals[k, axis]
+            length += cone[axis] ** 2
+        for axis in range(3):
+            cone[axis] /= max(np.sqrt(length), 1e-300)
         for k in range(start, stop):
-            cosine = min(cosine, (normals[k] * cones[leaf, :3]).sum())
+            cosine = min(cosine, normals[k, 0] * cone[0] + normals[k, 1] * cone[1] + normals[k, 2] * cone[2])
             weights[leaf] += mass[k]
-        cones[leaf, 3] = cosine if cosine > 0 else -1.0
-        cones[leaf, 4] = np.sqrt(1.0 - cosine * cosine) if cosine > 0 else 0.0
-    return spheres, cones, weights
+        cone[3] = cosine if cosine > 0 else -1.0
+        cone[4] = np.sqrt(1.0 - cosine * cosine) if cosine > 0 else 0.0
+    return cones, weights

@@ -12,7 +12,7 @@ from medial.compiled import compiled
 def symmetric(
     i: NDArray[np.integer], j: NDArray[np.integer], values: NDArray[np.float64], n: int
 ) -> csr_array:
-    """The (n, n) matrix with `values` at (i, j) and at (j, i), columns sorted; every pair given once, i != j."""
+    """The (n, n) matrix with `values` at (i, j) and (j, i), columns sorted; every pair given once, i != j."""
     index = np.int32 if 2 * len(i) < 2**31 else np.int64
     indptr, indices, data = _fill(i.astype(index), j.astype(index), values, n)
     matrix = csr_array((data, indices, indptr), shape=(n, n))

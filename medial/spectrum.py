@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
-from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import eigsh
 from threadpoolctl import threadpool_limits
@@ -27,7 +27,7 @@ class Modes:
     eigenfunctions : (n, k) float64
         ``psi.T @ A @ psi == I``; the sign makes the entry of largest magnitude positive.
     residual : float
-        Largest ``|M v - lambda v|`` of the symmetric form M = A^-1/2 S A^-1/2, relative to its largest eigenvalue.
+        Largest ``|M v - lambda v|`` of M = A^-1/2 S A^-1/2, relative to the largest eigenvalue of M.
     """
 
     eigenvalues: NDArray[np.float64]
@@ -44,8 +44,8 @@ def smallest_modes(
 ) -> Modes:
     """The `modes` smallest eigenpairs of ``S psi = lambda A psi`` (Chebyshev-filtered block Lanczos).
 
-    Constant functions on connected components are known exactly, so they are not searched for: the cloud may have
-    any number of components.
+    Constant functions on connected components are known exactly, so they are not searched for: the cloud may
+    have any number of components.
 
     Parameters
     ----------
@@ -76,7 +76,9 @@ def smallest_modes(
         if len(constants.T) == modes:
             return _finish(np.zeros(modes), constants, scale, 0.0)
         warm = None if start is None else start / scale[:, None]
-        values, vectors, residual = filtered_lanczos(matrix, modes - len(constants.T), constants, tolerance, warm)
+        values, vectors, residual = filtered_lanczos(
+            matrix, modes - len(constants.T), constants, tolerance, warm
+        )
     values = np.concatenate([np.zeros(len(constants.T)), values])
     return _finish(values, np.concatenate([constants, vectors], axis=1), scale, residual)
 
@@ -98,7 +100,11 @@ def sparse_modes(stiffness: csr_array, areas: NDArray[np.float64], modes: int) -
             return _dense(matrix, scale, modes)
         shift = -1e-6 * float(np.median(matrix.diagonal()))
         values, vectors = eigsh(
-            csc_array(matrix), k=modes, sigma=shift, which="LM", v0=np.random.default_rng(0).standard_normal(n)
+            csc_array(matrix),
+            k=modes,
+            sigma=shift,
+            which="LM",
+            v0=np.random.default_rng(0).standard_normal(n),
         )
         order = np.argsort(values)
         values, vectors = values[order], vectors[:, order]

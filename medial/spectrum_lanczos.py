@@ -1,9 +1,9 @@
 """Chebyshev-filtered block Lanczos for a few hundred of the smallest eigenpairs of a sparse symmetric matrix.
 
-A Chebyshev polynomial of the matrix maps the unwanted part of the spectrum [edge, top] into [-1, 1] and blows up
-what lies below the edge, so that a Krylov space of about 1.6 vectors per wanted pair suffices [Zhou & Saad 2007].
-The edge is placed where the spectral density, estimated by stochastic Lanczos quadrature [Lin, Saad & Yang 2016],
-counts 1.25 times the pairs wanted: an edge placed exactly at the last one converges slowly.
+A Chebyshev polynomial of the matrix maps the unwanted part of the spectrum [edge, top] into [-1, 1] and blows
+up what lies below the edge, so that a Krylov space of about 1.6 vectors per wanted pair suffices [Zhou & Saad
+2007]. The edge is placed where the spectral density, estimated by stochastic Lanczos quadrature [Lin, Saad &
+Yang 2016], counts 1.25 times the pairs wanted: an edge placed exactly at the last one converges slowly.
 """
 
 import logging
@@ -21,10 +21,11 @@ BLOCK = 16
 PROBE_STEPS = 24
 SURPLUS = 1.25  # eigenvalues below the edge, per wanted one
 DEGREE = 4.0  # of the polynomial, times sqrt(top / edge)
-DEGREES = (4, 60)
+DEGREES = (4, 200)
 FIRST_CHECK = 1.3  # vectors per wanted pair before convergence is tested
 CHECK_EVERY = 3  # blocks
-LARGEST_SPACE = 5  # vectors per wanted pair
+LARGEST_SPACE, SMALLEST_SPACE = 4, 160  # vectors per wanted pair, and besides
+RESTARTS = 3
 ROWS_PER_TASK = 2048
 
 Array = NDArray[np.float64]
@@ -61,22 +62,27 @@ def filtered_lanczos(
     order = np.argsort(ritz)
     below = np.cumsum(weights[order]) * n - known.shape[1]
     edge = float(np.interp(SURPLUS * count + 2 * BLOCK, below, ritz[order]))
-    edge = min(max(edge, 1e-6 * top), 0.9 * top)
-    degree = int(np.clip(round(DEGREE * np.sqrt(top / edge)), *DEGREES))
-    first = random.standard_normal((n, BLOCK))
-    if start is not None:
-        first = 1e-3 * first / np.sqrt(n) + start @ random.standard_normal((start.shape[1], BLOCK))
-    largest = min(LARGEST_SPACE * count + 4 * BLOCK, n - known.shape[1] - BLOCK)
-    basis, converged = _krylov(matrix, first, known, count, degree, edge, top, tolerance, largest)
-    values, vectors, residual = _rayleigh_ritz(matrix, basis, count)
-    if not converged or residual > tolerance * top:
-        log.warning("%d modes reached a residual of %.1e only (asked: %.1e)", count, residual / top, tolerance)
-    return values, vectors, residual / top
+    largest = min(LARGEST_SPACE * count + SMALLEST_SPACE, n - known.shape[1] - BLOCK)
+    for _ in range(RESTARTS):
+        edge = min(max(edge, 1e-7 * top), 0.9 * top)
+        degree = int(np.clip(round(DEGREE * np.sqrt(top / edge)), *DEGREES))
+        first = random.standard_normal((n, BLOCK))
+        if start is not None:
+            first = 1e-3 * first / np.sqrt(n) + start @ random.standard_normal((start.shape[1], BLOCK))
+        basis, converged = _krylov(matrix, first, known, count, degree, edge, top, tolerance, largest)
+        values, vectors, residual = _rayleigh_ritz(matrix, basis)
+        residuals = residual[:count].max()
+        if converged and residuals <= tolerance * top:
+            break
+        start, edge = vectors, float(values[-1])  # the space held too little below a misplaced edge
+    else:
+        log.warning("%d modes have a residual of %.1e (asked: %.1e)", count, residuals / top, tolerance)
+    return values[:count], vectors[:, :count], float(residuals / top)
 
 
 def _density(matrix: csr_array, probes: Array) -> tuple[Array, Array, float]:
-    """Stochastic Lanczos quadrature: nodes and weights of the spectral density, and a bound of the spectrum."""
-    n, count = probes.shape
+    """Stochastic Lanczos quadrature: nodes and weights of the density, and a bound of the spectrum."""
+    count = probes.shape[1]
     current = probes / np.linalg.norm(probes, axis=0)
     previous = np.zeros_like(current)
     diagonal, off = np.zeros((PROBE_STEPS, count)), np.zeros((PROBE_STEPS, count))
@@ -123,30 +129,44 @@ def _krylov(
             vectors, error = _wanted(projected[:size, :size], remainder, count, degree, edge, top)
             if error <= tolerance * top or size + BLOCK > largest:
                 return _combine(basis[:, :size], vectors), error <= tolerance * top
-        basis[:, size : size + BLOCK] = following
+        basis[:, size : size + BLOCK] = _renewed(following, remainder, basis[:, :size], known)
         size += BLOCK
 
 
 def _wanted(
     projected: Array, remainder: Array, count: int, degree: int, edge: float, top: float
 ) -> tuple[Array, float]:
-    """Coefficients of the wanted Ritz vectors, and their largest residual in terms of the matrix itself.
+    """Coefficients of the wanted Ritz vectors and some more, and the largest residual of the wanted ones.
 
-    What is wrong with a Ritz vector lies above the edge, where |p| <= 1. So a residual e of the filtered matrix is
-    one of at most e (top - lambda) / (p(lambda) - 1) of the matrix.
+    The residual is that of the matrix itself: what is wrong with a Ritz vector lies above the edge, where
+    |p| <= 1, so a residual e of the filtered matrix is one of at most e (top - lambda) / (p(lambda) - 1).
     """
     sign = 1 if degree % 2 == 0 else -1
     values, vectors = np.linalg.eigh(sign * (projected + projected.T) / 2)
-    chosen = slice(len(values) - count, None)
+    kept = vectors[:, max(len(values) - int(SURPLUS * count) - BLOCK, 0) :]
+    chosen = slice(max(len(values) - count, 0), None)
     residuals = np.linalg.norm(remainder @ vectors[-BLOCK:, chosen], axis=0)
     x = np.cosh(np.arccosh(np.maximum(values[chosen], 1 + 1e-6)) / degree)
     lowest = (top + edge) / 2 - x * (top - edge) / 2
     gain = np.maximum(values[chosen] - 1, 1e-6) / (top - lowest)
-    return vectors[:, chosen], float((residuals / gain).max())
+    return kept, float((residuals / gain).max()) if len(values) >= count else np.inf
 
 
-def _rayleigh_ritz(matrix: csr_array, basis: Array, count: int) -> tuple[Array, Array, float]:
-    """Eigenpairs of the matrix restricted to a space, and their largest residual."""
+def _renewed(following: Array, remainder: Array, basis: Array, known: Array) -> Array:
+    """The next block, with random directions in place of those in which the Krylov space has ended."""
+    ended = np.abs(np.diag(remainder)) <= 1e-12 * max(np.abs(remainder).max(), 1e-300)
+    if not ended.any():
+        return following
+    block = following.copy()
+    block[:, ended] = np.random.default_rng(basis.shape[1]).standard_normal((len(block), int(ended.sum())))
+    for _ in range(2):
+        block = _without(known, _subtract(block, basis, _inner(basis, block)))
+        block = np.linalg.qr(block)[0]
+    return block
+
+
+def _rayleigh_ritz(matrix: csr_array, basis: Array) -> tuple[Array, Array, Array]:
+    """Eigenpairs of the matrix restricted to a space, and the residual of each."""
     images = np.empty_like(basis)
     for start, stop in ranges(basis.shape[1], BLOCK):
         images[:, start:stop] = multiply(matrix, np.ascontiguousarray(basis[:, start:stop]))
@@ -154,7 +174,7 @@ def _rayleigh_ritz(matrix: csr_array, basis: Array, count: int) -> tuple[Array, 
     values, rotation = np.linalg.eigh((projected + projected.T) / 2)
     vectors, images = _combine(basis, rotation), _combine(images, rotation)
     images -= vectors * values
-    return values[:count], vectors[:, :count], float(np.linalg.norm(images[:, :count], axis=0).max())
+    return values, vectors, np.linalg.norm(images, axis=0)
 
 
 def chebyshev(matrix: csr_array, block: Array, degree: int, edge: float, top: float) -> Array:
@@ -182,8 +202,8 @@ def multiply(
 
 @compiled(fastmath={"contract"})
 def _rows(
-    indptr: Any, indices: Any, data: Any, block: Any, minus: Any, out: Any, factor: float, shift: float, keep: float,
-    start: int, stop: int,
+    indptr: Any, indices: Any, data: Any, block: Any, minus: Any, out: Any, factor: float, shift: float,
+    keep: float, start: int, stop: int,
 ) -> None:  # fmt: skip
     """Rows [start, stop) of `multiply`; four entries at a time keep the sums out of each other's way."""
     width = block.shape[1]

@@ -1,5 +1,7 @@
 """Local surface area of every point: its Voronoi cell in the tangent plane."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -8,7 +10,8 @@ from medial.checks import check_cloud
 from medial.compiled import compiled, ranges, run_tasks, thread_count
 
 NEIGHBOURS = 24
-RING = 6  # neighbours whose mean distance bounds the cell
+RING = 6  # neighbours whose mean distance bounds the cell ...
+REACH = 0.8  # ... times this
 SIDES = 16
 LARGEST_CELL = 1.5  # in the median reach of the neighbours: an outlier stands for little
 REFERENCE_POINTS = 17_500  # middle of the paper's 15,000-20,000
@@ -19,8 +22,8 @@ def surface_areas(points: NDArray[np.floating], normals: NDArray[np.floating]) -
     """Area of every point's Voronoi cell among its neighbours projected to its tangent plane [BSW09].
 
     Neighbours whose normals point the other way lie on another sheet and do not count. A cell reaches at most
-    the mean distance of the six nearest neighbours, and 1.5 times the median of that over the neighbourhood: this
-    closes the cells of points at the rim of a hole, and of stray points.
+    0.8 times the mean distance of the six nearest neighbours, and 1.5 times the median of that over the
+    neighbourhood: this closes the cells of points at the rim of a hole, and of stray points.
 
     Parameters
     ----------
@@ -33,7 +36,7 @@ def surface_areas(points: NDArray[np.floating], normals: NDArray[np.floating]) -
     points, normals = check_cloud(points, normals)
     count = min(NEIGHBOURS + 1, len(points))
     distances, neighbours = cKDTree(points).query(points, k=count, workers=thread_count())
-    reach = distances[:, 1 : RING + 1].mean(axis=1)
+    reach = REACH * _ring_distances(normals, distances, neighbours)
     reach = np.minimum(reach, LARGEST_CELL * np.median(reach[neighbours[:, 1:]], axis=1))
     tasks = [(points, normals, neighbours, reach, *span) for span in ranges(len(points), ROWS_PER_TASK)]
     return np.concatenate(run_tasks(_cells, tasks))
@@ -66,7 +69,27 @@ def density_weights(
 
 
 @compiled()
-def _clip(polygon, count, x, y, limit, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _ring_distances(normals: Any, distances: Any, neighbours: Any) -> Any:
+    """Mean distance of the six nearest neighbours on the same sheet; on any sheet where there are none."""
+    means = np.zeros(len(normals))
+    for i in range(len(normals)):
+        count, other = 0, 0.0
+        for k in range(1, neighbours.shape[1]):
+            j = neighbours[i, k]
+            agree = (
+                normals[i, 0] * normals[j, 0] + normals[i, 1] * normals[j, 1] + normals[i, 2] * normals[j, 2]
+            )
+            if agree > 0 and count < RING:
+                means[i] += distances[i, k]
+                count += 1
+            if k <= RING:
+                other += distances[i, k] / RING
+        means[i] = means[i] / count if count > 0 else other
+    return means
+
+
+@compiled()
+def _clip(polygon: Any, count: int, x: float, y: float, limit: float, out: Any) -> Any:
     """Keep the part of a convex polygon with (x, y).v <= limit; corners into `out`, their number returned."""
     kept = 0
     for k in range(count):
@@ -85,38 +108,37 @@ def _clip(polygon, count, x, y, limit, out):  # type: ignore[no-untyped-def]  # 
 
 
 @compiled()
-def _cells(points, normals, neighbours, reach, start, stop):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _cells(points: Any, normals: Any, neighbours: Any, reach: Any, start: int, stop: int) -> Any:
+    """Areas of the cells of points [start, stop)."""
     areas = np.zeros(stop - start)
-    corners = SIDES + neighbours.shape[1] + 2
-    polygon = np.empty((corners, 2))
-    other = np.empty((corners, 2))
+    polygon = np.empty((SIDES + neighbours.shape[1] + 2, 2))
+    other = np.empty_like(polygon)
     for i in range(start, stop):
-        n = normals[i]
-        axis = np.argmin(np.abs(n))
-        u = np.zeros(3)
-        u[axis] = 1.0
-        u -= n[axis] * n
-        u /= np.sqrt((u * u).sum())
-        v = np.cross(n, u)
+        a, b, c = normals[i, 0], normals[i, 1], normals[i, 2]
+        # two axes of the tangent plane [Duff et al. 2017]
+        sign = 1.0 if c >= 0 else -1.0
+        p = -1.0 / (sign + c)
+        q = a * b * p
+        ux, uy, uz, vx, vy, vz = 1 + sign * a * a * p, sign * q, -sign * a, q, sign + b * b * p, -b
         count = SIDES
+        j = neighbours[i, 1]  # the polygon turns with the cloud
+        dx, dy, dz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+        turn = np.arctan2(dx * vx + dy * vy + dz * vz, dx * ux + dy * uy + dz * uz)
         for k in range(SIDES):
-            angle = 2 * np.pi * k / SIDES
-            polygon[k, 0] = reach[i] * np.cos(angle)
-            polygon[k, 1] = reach[i] * np.sin(angle)
+            polygon[k, 0] = reach[i] * np.cos(turn + 2 * np.pi * k / SIDES)
+            polygon[k, 1] = reach[i] * np.sin(turn + 2 * np.pi * k / SIDES)
         for k in range(1, neighbours.shape[1]):
             j = neighbours[i, k]
-            if j == i or (normals[j] * n).sum() <= 0:
+            if j == i or normals[j, 0] * a + normals[j, 1] * b + normals[j, 2] * c <= 0:
                 continue
-            d = points[j] - points[i]
-            x, y = (d * u).sum(), (d * v).sum()
-            square = x * x + y * y
-            if square == 0:
+            dx, dy, dz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+            x, y = dx * ux + dy * uy + dz * uz, dx * vx + dy * vy + dz * vz
+            if x * x + y * y == 0:
                 continue
-            count = _clip(polygon, count, x, y, 0.5 * square, other)
+            count = _clip(polygon, count, x, y, 0.5 * (x * x + y * y), other)
             polygon, other = other, polygon
-        total = 0.0
         for k in range(count):
-            nxt = k + 1 if k + 1 < count else 0
-            total += polygon[k, 0] * polygon[nxt, 1] - polygon[nxt, 0] * polygon[k, 1]
-        areas[i - start] = 0.5 * total
+            after = k + 1 if k + 1 < count else 0
+            cross = polygon[k, 0] * polygon[after, 1] - polygon[after, 0] * polygon[k, 1]
+            areas[i - start] += 0.5 * cross
     return areas

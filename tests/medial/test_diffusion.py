@@ -1,0 +1,256 @@
+import logging
+
+import numpy as np
+import pytest
+
+from datasets_gen.records import InputError
+from medial import Diffusion
+from medial.operators import OPERATORS, Operator
+from tests.medial import clouds
+
+SPHERE = np.concatenate([np.full(2 * degree + 1, degree * (degree + 1.0)) for degree in range(4)])
+
+
+@pytest.fixture(scope="module")
+def figure():
+    return clouds.body(800)
+
+
+@pytest.fixture(scope="module", params=OPERATORS)
+def diffusion(request, figure):
+    return Diffusion.from_points(*figure, request.param, modes=40)
+
+
+@pytest.mark.parametrize(("operator", "error"), [("heat", 0.06), ("robust", 0.03)])
+def test_surface_operators_have_the_spectrum_of_the_sphere(operator, error):
+    """l(l + 1); a Gaussian of bandwidth h gives (1 - exp(-lambda h / 4)) 4 / h instead, 5 % less at l = 3."""
+    points, normals = clouds.sphere(1500, radius=2.0)
+    found = Diffusion.from_points(points, normals, operator, modes=16)
+    assert 4 * found.eigenvalues == pytest.approx(SPHERE, rel=error, abs=1e-6)
+    assert found.areas.sum() == pytest.approx(16 * np.pi, rel=0.01)
+    assert (found.centers == points).all()
+    assert not found.radii.any()
+
+
+def test_medial_operator_sees_a_sphere_as_one_place():
+    """All points share the centre, so Eq. 8 is the deviation from the mean: one eigenvalue, the area."""
+    points, normals = clouds.sphere(500)
+    found = Diffusion.from_points(points, normals, modes=20, eta=None)
+    assert found.eigenvalues[1:] == pytest.approx(np.full(19, 4 * np.pi), rel=0.02)
+    assert np.abs(found.centers).max() < 1e-6
+    assert found.radii == pytest.approx(np.ones(500))
+    assert found.areas.sum() == pytest.approx(4 * np.pi, rel=0.02)
+
+
+def test_low_modes_of_a_cylinder_run_along_its_axis():
+    points, normals = clouds.cylinder(1500, length=2.4)
+    found = Diffusion.from_points(points, normals, modes=6)
+    for mode in (1, 2):
+        values = found.eigenfunctions[:, mode]
+        z = np.round(points[:, 2] / 0.1) * 0.1
+        mean = {level: values[z == level].mean() for level in np.unique(z)}
+        along = np.array([mean[level] for level in z])
+        assert np.var(values - along) < 0.1 * np.var(values)
+
+
+def test_modes_are_orthonormal_and_start_with_the_constant(diffusion):
+    psi = diffusion.eigenfunctions
+    assert psi.T @ (diffusion.areas[:, None] * psi) == pytest.approx(np.eye(40), abs=1e-8)
+    assert psi[:, 0] == pytest.approx(np.full(800, diffusion.areas.sum() ** -0.5), rel=1e-4)
+    assert diffusion.eigenvalues[0] == pytest.approx(0, abs=1e-8 * diffusion.eigenvalues[-1])
+    assert (np.diff(diffusion.eigenvalues) >= 0).all()
+    assert diffusion.parameters["residual"] < 1e-6
+
+
+def test_kernel_is_a_semigroup_that_keeps_heat(diffusion):
+    """m_(s+t) = m_s A m_t, and all of the modes' heat stays (Eqs. 11-13)."""
+    every = np.arange(800)
+    t = 2 / diffusion.eigenvalues[5]
+    once, twice = diffusion.kernel(t, every, every), diffusion.kernel(2 * t, every, every)
+    assert np.abs((once * diffusion.areas) @ once - twice).max() < 1e-9 * np.abs(twice).max()
+    assert once @ diffusion.areas == pytest.approx(np.ones(800), rel=1e-5)
+    assert np.abs(once - once.T).max() < 1e-12 * np.abs(once).max()
+
+
+def test_signature_and_heat_trace(diffusion):
+    times = np.array([0.5, 2.0]) / diffusion.eigenvalues[3]
+    kernel = diffusion.kernel(times[1], np.array([4]), np.array([4]))
+    assert diffusion.signature(times)[4, 1] == pytest.approx(kernel[0, 0])
+    weighted = diffusion.areas @ diffusion.signature(times)
+    assert weighted == pytest.approx(diffusion.heat_trace(times))
+
+
+def test_order_of_points_does_not_matter(figure, diffusion):
+    order = np.random.default_rng(0).permutation(800)
+    again = Diffusion.from_points(figure[0][order], figure[1][order], diffusion.operator, modes=40)
+    assert (again.points == diffusion.points[order]).all()
+    if diffusion.operator == "robust":  # its triangulation breaks ties by order
+        assert again.eigenvalues == pytest.approx(diffusion.eigenvalues, rel=1e-6, abs=1e-9)
+    else:
+        assert (again.eigenvalues == diffusion.eigenvalues).all()
+        assert (again.eigenfunctions == diffusion.eigenfunctions[order]).all()
+        assert (again.areas == diffusion.areas[order]).all()
+
+
+def test_rotation_does_not_matter(figure, diffusion):
+    turn = clouds.rotation(3)
+    again = Diffusion.from_points(figure[0] @ turn.T, figure[1] @ turn.T, diffusion.operator, modes=40)
+    error = (
+        0.02 if diffusion.operator == "robust" else 1e-4
+    )  # triangulations of nearly cocircular points differ
+    assert again.eigenvalues == pytest.approx(diffusion.eigenvalues, rel=error, abs=1e-7)
+    assert again.areas.sum() == pytest.approx(diffusion.areas.sum(), rel=error)
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_scale_changes_the_unit_only(figure, diffusion, operator):
+    if diffusion.operator != operator:
+        return
+    again = Diffusion.from_points(10 * figure[0], figure[1], operator, modes=40)
+    factor = 1 if operator == "medial" else 100  # the normalised weights of Eq. 15 have no unit
+    assert factor * again.eigenvalues == pytest.approx(diffusion.eigenvalues, rel=1e-3, abs=1e-6)
+    assert again.areas == pytest.approx(100 * diffusion.areas, rel=1e-6)
+
+
+def test_save_and_load(tmp_path, figure):
+    made = Diffusion.from_points(*figure, modes=20, surface=True, surface_modes=15)
+    assert made.surface is not None
+    assert made.surface.operator == "robust"
+    assert made.surface.eigenfunctions.shape == (800, 15)
+    made.save(tmp_path / "d.npz")
+    read = Diffusion.load(tmp_path / "d.npz")
+    assert read.surface is not None
+    for one, other in ((made, read), (made.surface, read.surface)):
+        assert (one.operator, one.parameters) == (other.operator, other.parameters)
+        for name in ("points", "normals", "areas", "eigenvalues", "eigenfunctions", "centers", "radii"):
+            assert (getattr(one, name) == getattr(other, name)).all()
+    assert read.surface.surface is None
+
+
+def test_save_and_load_without_companion(tmp_path, diffusion):
+    diffusion.save(tmp_path / "d.npz")
+    assert Diffusion.load(tmp_path / "d.npz").surface is None
+
+
+def test_duplicated_points_share_their_area(figure):
+    points, normals = figure[0][:500], figure[1][:500]
+    once = Diffusion.from_points(points, normals, modes=20)
+    twice = Diffusion.from_points(np.repeat(points, 2, axis=0), np.repeat(normals, 2, axis=0), modes=20)
+    assert twice.eigenvalues == pytest.approx(once.eigenvalues, abs=1e-12)
+    assert twice.areas[::2] == pytest.approx(once.areas / 2)
+    assert (twice.eigenfunctions[::2] == twice.eigenfunctions[1::2]).all()
+    psi = twice.eigenfunctions
+    assert psi.T @ (twice.areas[:, None] * psi) == pytest.approx(np.eye(20), abs=1e-8)
+
+
+@pytest.mark.parametrize("operator", ["medial", "heat"])
+def test_disconnected_parts_have_a_zero_each(operator):
+    points, normals = clouds.body(500)
+    both = np.concatenate([points, points + np.array([50.0, 0, 0])])
+    found = Diffusion.from_points(both, np.concatenate([normals, normals]), operator, modes=10)
+    assert np.abs(found.eigenvalues[:2]).max() < 1e-6 * found.eigenvalues[2]
+    assert np.isfinite(found.eigenfunctions).all()
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_stray_points_do_no_harm(figure, operator):
+    strays = np.array([[3.0, 0, 0], [0, 9.0, 0], [0, 9.01, 0]])
+    points, normals = np.concatenate([figure[0], strays]), np.concatenate([figure[1], np.eye(3)])
+    found = Diffusion.from_points(points, normals, operator, modes=20)
+    assert np.isfinite(found.eigenfunctions).all()
+    assert (found.areas > 0).all()
+    assert found.areas[:800].sum() > 0.5 * found.areas.sum()
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+@pytest.mark.parametrize("axes", [[0, 1], [0]], ids=["plane", "line"])
+def test_flat_clouds_give_a_result_or_a_reason(operator, axes, caplog):
+    points, normals = np.zeros((300, 3)), np.tile([0.0, 0, 1], (300, 1))
+    points[:, axes] = np.random.default_rng(0).uniform(size=(300, len(axes)))
+    if operator == "robust" and len(axes) == 1:
+        with pytest.raises(InputError, match="no tufted Laplacian"):
+            Diffusion.from_points(points, normals, operator, modes=10)
+        return
+    found = Diffusion.from_points(points, normals, operator, modes=10)
+    assert np.isfinite(found.eigenfunctions).all()
+    assert operator != "medial" or "no two points share a medial ball" in caplog.text
+
+
+def test_inward_normals_are_flipped(figure, caplog):
+    outward = Diffusion.from_points(*figure, modes=10)
+    inward = Diffusion.from_points(figure[0], -figure[1], modes=10)
+    assert "point inward" in caplog.text
+    assert (inward.normals == outward.normals).all()
+    assert inward.eigenvalues == pytest.approx(outward.eigenvalues)
+
+
+def test_inconsistent_normals_are_told(figure, caplog):
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(800, 1))
+    Diffusion.from_points(figure[0], signs * figure[1], modes=10)
+    assert "opposite ways" in caplog.text
+
+
+def test_good_normals_are_left_alone(figure, caplog):
+    with caplog.at_level(logging.WARNING):
+        found = Diffusion.from_points(*figure, modes=10)
+    assert caplog.text == ""
+    assert found.normals == pytest.approx(figure[1])
+
+
+def test_missing_normals_are_estimated(figure, caplog):
+    found = Diffusion.from_points(figure[0], None, modes=10)
+    assert "estimated" in caplog.text
+    agreement = np.einsum("ij,ij->i", found.normals, figure[1])
+    assert (agreement > 0.8).mean() > 0.97
+
+
+def test_warm_start(figure):
+    first = Diffusion.from_points(*figure, modes=30, eta=0.5)
+    cold = Diffusion.from_points(*figure, modes=30, eta=0.4)
+    warm = Diffusion.from_points(*figure, modes=30, eta=0.4, start=first)
+    assert warm.eigenvalues == pytest.approx(cold.eigenvalues, abs=1e-9)
+
+
+def test_equations_as_written(figure):
+    """reference_points=None turns the density rule off."""
+    plain = Diffusion.from_points(*figure, modes=10, reference_points=None)
+    ruled = Diffusion.from_points(*figure, modes=10)
+    assert plain.parameters["reference_points"] is None
+    assert plain.eigenvalues[1:] != pytest.approx(ruled.eigenvalues[1:], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"operator": "cotan"}, "unknown operator 'cotan'; choose one of medial, heat, robust"),
+        ({"modes": 800}, "800 modes asked of 800 points"),
+        ({"modes": 0}, "modes is 0"),
+        ({"eta": 1.5}, "eta is 1.5"),
+        ({"sigma_e": -1.0}, "sigma_e"),
+        ({"reference_points": 0}, "reference_points is 0"),
+        ({"tolerance": 0}, "tolerance is 0"),
+    ],
+)
+def test_bad_settings(figure, settings, message):
+    with pytest.raises(InputError, match=message):
+        Diffusion.from_points(*figure, **settings)
+
+
+def test_unknown_settings_are_rejected(figure):
+    with pytest.raises((TypeError, InputError), match="sigma"):
+        Diffusion.from_points(*figure, sigma=3)
+    with pytest.raises(TypeError):
+        Operator("medial")
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_not_finite(figure, operator):
+    points = figure[0].copy()
+    points[17, 2] = np.nan
+    with pytest.raises(InputError, match="number 17"):
+        Diffusion.from_points(points, figure[1], operator, modes=10)
+
+
+def test_all_points_at_one_place():
+    with pytest.raises(InputError, match="1 points are too few"):
+        Diffusion.from_points(np.ones((50, 3)), np.tile([0, 0, 1.0], (50, 1)), modes=1)
