@@ -65,7 +65,7 @@ def small(blobs, method_file):
             "matching": {"sweep": {"threshold": [0.2]}},
             "method": [{"name": f"{method_file}:Nearest", "label": "nearest"}],
             "evaluated": 100,
-            "timeout": 120.0,
+            "timeout": 600.0,
         }
         return Experiment.from_table({**table, **changes})
 
