@@ -21,6 +21,9 @@ from medial.sampling import (
 Float32 = NDArray[np.float32]
 Float64 = NDArray[np.float64]
 
+PARTNERS_APART = 0.5
+"""Alternatives are apart by this part of the target's root mean square extent in the diffusion map."""
+
 
 @dataclass(frozen=True)
 class Side:
@@ -97,7 +100,11 @@ def landmark_order(side: Side, times: NDArray[np.float64], start: int, count: in
 
 
 def search_landmarks(
-    source: Side, target: Side, order: NDArray[np.int64], config: MatchConfig
+    source: Side,
+    target: Side,
+    order: NDArray[np.int64],
+    config: MatchConfig,
+    first_partner: int | None = None,
 ) -> NDArray[np.int64]:
     """Partners of a sequence of source samples, found greedily with Eq. 16.
 
@@ -110,6 +117,8 @@ def search_landmarks(
     order : (L,) int64
         Positions in `source.samples`.
     config
+    first_partner
+        Partner of the first landmark, if it is given; a position in `target.samples`.
 
     Returns
     -------
@@ -119,18 +128,77 @@ def search_landmarks(
     partners = np.empty(len(order), dtype=np.int64)
     agreement = np.zeros((len(source.samples), len(target.samples)), dtype=np.float32)
     for step, landmark in enumerate(order):
+        if step == 0 and first_partner is not None:
+            candidates = np.array([first_partner])
+        else:
+            candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
         coordinates = source.heat(int(source.samples[landmark]), source.samples)
-        candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
         others = target.heats(target.samples[candidates], target.samples)
-        costs = np.empty(len(candidates))
-
-        work = _candidate_costs(agreement, coordinates, others, costs)
-        over_blocks(len(candidates), work, block=8)
-        best = int(costs.argmin())
+        best = int(candidate_costs(agreement, coordinates, others).argmin())
         partners[step] = candidates[best]
         product, square_x, square_y = _square_parts(coordinates, others[best])
         agreement += product + square_x[:, None] + square_y
     return partners
+
+
+def first_partners(
+    source: Side, target: Side, landmark: int, config: MatchConfig, time: float
+) -> NDArray[np.int64]:
+    """Partners of a first landmark by Eq. 16, best first, that lie apart from each other.
+
+    Left and right, and sometimes arm and leg, cost nearly the same: the alternatives are kept.
+
+    Parameters
+    ----------
+    source, target
+    landmark
+        Position in `source.samples`.
+    config
+        `partners` says how many.
+    time
+        Diffusion time at which partners must be apart.
+
+    Returns
+    -------
+    (at most config.partners,) int64
+        Positions in `target.samples`.
+    """
+    candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
+    coordinates = source.heat(int(source.samples[landmark]), source.samples)
+    others = target.heats(target.samples[candidates], target.samples)
+    none = np.zeros((len(source.samples), len(target.samples)), dtype=np.float32)
+    costs = candidate_costs(none, coordinates, others)
+    embedding = diffusion_map(target.diffusion, time)[target.samples]
+    apart = PARTNERS_APART * np.sqrt(embedding.var(axis=0).sum())
+    left = np.ones(len(candidates), dtype=bool)
+    chosen: list[int] = []
+    while left.any() and len(chosen) < config.partners:
+        best = np.flatnonzero(left)[costs[left].argmin()]
+        chosen.append(int(candidates[best]))
+        gap = np.linalg.norm(embedding[candidates] - embedding[candidates[best]], axis=1)
+        left &= gap > apart
+    return np.array(chosen, dtype=np.int64)
+
+
+def candidate_costs(agreement: Float32, coordinates: Float32, others: Float32) -> Float64:
+    """Objective of Eq. 16 for candidates.
+
+    Parameters
+    ----------
+    agreement : (s, m)
+        Squared distances from landmarks found before.
+    coordinates : (s, T)
+        Of the source samples, from the new landmark.
+    others : (candidates, m, T)
+        Of the target samples, from each candidate.
+
+    Returns
+    -------
+    (candidates,) float64
+    """
+    costs = np.empty(len(others))
+    over_blocks(len(others), _candidate_costs(agreement, coordinates, others, costs), block=8)
+    return costs
 
 
 def _candidate_costs(

@@ -1,13 +1,39 @@
-"""Dense correspondences between two clouds from their diffusions (Sec. 4)."""
+"""Dense correspondences between two clouds from their diffusions (Sec. 4, and what holds with data missing).
+
+With `MatchConfig.paper()` this is Sec. 4 as written. By default
+
+1. many landmark sets are grown, each with its alternatives (left for right, arm for leg),
+2. each is tried out: the source is deformed along its map and settles on the target,
+3. parts are exchanged between the settled maps (one may have the arms right and another the legs),
+4. the best are deformed finely; the target point nearest to a deformed source point is its match.
+"""
+
+import logging
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
+from medial.cloud import Cloud, common_units
+from medial.compiled import run_tasks
+from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
-from medial.landmarks import Side, extend, landmark_order, prepare, search_landmarks, shared_times
+from medial.flips import flip_verdict
+from medial.landmarks import Side, extend, prepare, shared_times
+from medial.matching_deform import NodeGraph
+from medial.matching_pool import Candidate, diffusion_candidates, grown, path_candidates
+from medial.matching_recombine import Exchange, distinct, recombine
+from medial.matching_register import Fit, Registration, Schedule
 from medial.matching_types import MatchConfig, Matching
 from medial.nearest import single_blas_thread
+from medial.refine import FineDeformation, neighbourhoods, spectral_refinement
+
+log = logging.getLogger(__name__)
+
+QUICK = Schedule()
+FINALIST = 0.1
+"""Fits that score less than the best by more than this are not deformed finely."""
 
 
 def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
@@ -20,8 +46,8 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
     config
         Defaults to `MatchConfig()`.
     seed
-        Draws the samples and the first landmarks. The same seed gives the same result for any number of
-        threads.
+        Draws the samples, and the first landmarks where they are random. The same seed gives the same
+        result for any number of threads.
 
     Returns
     -------
@@ -33,31 +59,14 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
         If the operators differ, or a cloud has no positive eigenvalue.
     """
     config = config or MatchConfig()
-    times, here, there = prepare_pair(source, target, config, seed)
-    rng = np.random.default_rng([seed, 2])
-    count = min(config.restarts, len(here.samples))
-    starts = rng.choice(len(here.samples), size=count, replace=False)
-    found = [_restart(here, there, times, int(start), config) for start in starts]
-    costs = np.array([cost for _, cost in found])
-    best = int(costs.argmin())
-    landmarks = found[best][0]
-    mapped, residual = extend(here, there, landmarks, slice(None))
-    table = {
-        "first": np.array([pairs[0, 0] for pairs, _ in found]),
-        "partner": np.array([pairs[0, 1] for pairs, _ in found]),
-        "cost": costs,
-        "score": -costs,
-        "chosen": np.arange(count) == best,
-    }
-    return Matching(
-        source_to_target=mapped,
-        landmarks=landmarks,
-        cost=float(costs[best]),
-        confidence=_confidence(residual),
-        restarts=table,
-        seed=seed,
-        config=config,
-    )
+    with single_blas_thread():
+        pair = Pair(source, target, config, seed)
+        candidates = diffusion_candidates(
+            pair.here, pair.there, pair.times, config, np.random.default_rng([seed, 2])
+        )
+        if config.paths and config.selection == "fit":
+            candidates += path_candidates(pair.here, pair.source, pair.target)
+        return pair.by_cost(candidates) if config.selection == "cost" else pair.by_fit(candidates)
 
 
 def extrapolate(
@@ -67,7 +76,7 @@ def extrapolate(
     config: MatchConfig | None = None,
     seed: int = 0,
 ) -> Matching:
-    """Grow a dense correspondence from given landmarks (Eq. 17).
+    """Grow a dense correspondence from given landmarks (Eq. 17), and refine it as configured.
 
     Parameters
     ----------
@@ -75,7 +84,7 @@ def extrapolate(
     landmarks : (L, 2)
         Source and target point ids.
     config, seed
-        As for `match`.
+        As for `match`; there is nothing to select.
 
     Raises
     ------
@@ -89,60 +98,137 @@ def extrapolate(
             raise InputError(
                 f"landmarks need {name} point ids in [0, {len(diffusion)}), got {pairs[:, column].tolist()}"
             )
-    _, here, there = prepare_pair(source, target, config, seed)
-    mapped, residual = extend(here, there, pairs, slice(None))
-    cost = float(residual[here.samples].mean())
-    table = {
-        "first": pairs[:1, 0],
-        "partner": pairs[:1, 1],
-        "cost": np.array([cost]),
-        "score": np.array([-cost]),
-        "chosen": np.array([True]),
-    }
-    return Matching(
-        source_to_target=mapped,
-        landmarks=pairs,
-        cost=cost,
-        confidence=_confidence(residual),
-        restarts=table,
-        seed=seed,
-        config=config,
-    )
+    with single_blas_thread():
+        pair = Pair(source, target, config, seed)
+        candidates = [grown(pair.here, pair.there, pairs)]
+        found = pair.by_cost(candidates) if config.selection == "cost" else pair.by_fit(candidates)
+    return replace(found, landmarks=pairs)
 
 
-def prepare_pair(
-    source: Diffusion, target: Diffusion, config: MatchConfig, seed: int
-) -> tuple[NDArray[np.float64], Side, Side]:
-    """Shared times and the prepared clouds.
+class Pair:
+    """Two clouds prepared for matching.
 
     Raises
     ------
     InputError
         If the operators differ: their diffusions cannot be compared.
     """
-    if source.operator != target.operator:
-        raise InputError(
-            f"cannot match a {source.operator!r} diffusion to a {target.operator!r} one; use one operator"
+
+    def __init__(self, source: Diffusion, target: Diffusion, config: MatchConfig, seed: int) -> None:
+        if source.operator != target.operator:
+            raise InputError(
+                f"cannot match a {source.operator!r} diffusion to a {target.operator!r} one; use one operator"
+            )
+        self.diffusions, self.config, self.seed = (source, target), config, seed
+        self.times = shared_times(source, target, config)
+        self.here: Side = prepare(source, self.times, config, np.random.default_rng([seed, 0]))
+        self.there: Side = prepare(target, self.times, config, np.random.default_rng([seed, 1]))
+        self.source: Cloud
+        self.target: Cloud
+        self.source, self.target = common_units(source, target)
+
+    def by_cost(self, candidates: list[Candidate]) -> Matching:
+        """The candidate of the lowest cost of Eq. 17, spread to all points (Sec. 4)."""
+        costs = np.array([c.cost for c in candidates])
+        chosen = int(costs.argmin())
+        mapped, residual = extend(self.here, self.there, candidates[chosen].landmarks, slice(None))
+        confidence = confidence_of_residual(residual)
+        if self.config.refine == "spectral":
+            mapped = spectral_refinement(*self.diffusions, mapped)
+        elif self.config.refine == "deform":
+            return self.by_fit([candidates[chosen]])
+        return self._matching(mapped, confidence, candidates, -costs, chosen, "undecided")
+
+    def by_fit(self, candidates: list[Candidate]) -> Matching:
+        """The candidate, or the combination of candidates, onto which the source deforms best."""
+        coordinates = neighbourhoods(self.diffusions[0])
+        quick = self._quick(coordinates)
+        tried = run_tasks(lambda c: self._try(quick, c), [(c,) for c in candidates])
+        scores = np.array([fit.score for fit in tried])
+        exchange = Exchange()
+        if self.config.recombine:
+            pool = recombine(quick, tried, exchange)
+        else:
+            pool = distinct(tried, exchange.donors)
+        best, mapped, confidence = self._finish(quick, pool, coordinates)
+        gaps = [np.linalg.norm(fit.moved - best.moved, axis=1).mean() for fit in tried]
+        chosen = int(np.argmin(gaps))
+        if self.config.refine != "deform" and not self.config.recombine:
+            mapped = candidates[chosen].dense()
+        if self.config.refine == "spectral":
+            mapped = spectral_refinement(*self.diffusions, mapped)
+        flip = flip_verdict(best, pool, candidates, self.target)
+        return self._matching(mapped, confidence, candidates, scores, chosen, flip)
+
+    def _quick(self, coordinates: NDArray[np.float32]) -> Registration:
+        """Deformations with few nodes, of the samples alone."""
+        nodes = max(2, min(self.config.nodes, len(self.source) // 4))
+        graph, attachment = NodeGraph.over(coordinates, self.source.points, nodes)
+        rows = self.here.samples
+        return Registration(
+            graph,
+            self.source.points[rows],
+            self.source.normals[rows],
+            attachment.rows(rows),
+            self.target.points,
+            self.target.normals,
+            self.there.samples,
         )
-    times = shared_times(source, target, config)
-    here = prepare(source, times, config, np.random.default_rng([seed, 0]))
-    there = prepare(target, times, config, np.random.default_rng([seed, 1]))
-    return times, here, there
 
+    def _try(self, quick: Registration, candidate: Candidate) -> Fit:
+        goal = candidate.at_samples
+        pose = quick.follow(self.target.points[goal], self.target.normals[goal], QUICK)
+        return quick.settle(pose, QUICK)
 
-def _restart(
-    here: Side, there: Side, times: NDArray[np.float64], start: int, config: MatchConfig
-) -> tuple[NDArray[np.int64], float]:
-    """Landmarks (point ids) that grow from one first landmark, and the mean of Eq. 17 over the samples."""
-    order = landmark_order(here, times, start, config.landmarks)
-    with single_blas_thread():
-        partners = search_landmarks(here, there, order, config)
-    landmarks = np.column_stack([here.samples[order], there.samples[partners]])
-    _, residual = extend(here, there, landmarks, here.samples)
-    return landmarks, float(residual.mean())
+    def _finish(
+        self, quick: Registration, pool: list[Fit], coordinates: NDArray[np.float32]
+    ) -> tuple[Fit, NDArray[np.int64], NDArray[np.float64]]:
+        """Deform the best fits finely and take the one that fits best then.
 
+        Returns
+        -------
+        best : Fit
+            Of the quick deformations.
+        source_to_target : (n,) int64
+        confidence : (n,) float64
+        """
+        final = self.config.refine == "deform"
+        fine = FineDeformation(
+            self.source, self.target, coordinates, self.config.fine_nodes if final else self.config.nodes
+        )
+        finalists = [fit for fit in pool if fit.score > pool[0].score - FINALIST]
+        finalists = finalists[: self.config.finalists if final else 1]
+        starts = [fine.adopt(quick.graph, fit.pose) for fit in finalists]
+        settled = run_tasks(fine.settle if final else fine.judge, [(pose,) for pose in starts])
+        chosen = int(np.argmax([fit.score for fit in settled]))
+        dense = fine.dense(settled[chosen])
+        confidence = confidence_of_fit(dense, finalists[chosen], pool, fine, quick)
+        return finalists[chosen], dense.source_to_target, confidence
 
-def _confidence(residual: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Residuals of Eq. 17 relative to their median, mapped to [0, 1]: 1 fits perfectly, 1/2 is typical."""
-    typical = max(float(np.median(residual)), np.finfo(float).tiny)
-    return 1 / (1 + residual / typical)
+    def _matching(
+        self,
+        mapped: NDArray[np.int64],
+        confidence: NDArray[np.float64],
+        candidates: list[Candidate],
+        scores: NDArray[np.float64],
+        chosen: int,
+        flip: str,
+    ) -> Matching:
+        landmarks = candidates[chosen].landmarks[:, 0]
+        return Matching(
+            source_to_target=mapped,
+            landmarks=np.column_stack([landmarks, mapped[landmarks]]),
+            cost=candidates[chosen].cost,
+            confidence=confidence,
+            restarts={
+                "first": np.array([c.landmarks[0, 0] for c in candidates]),
+                "partner": np.array([c.landmarks[0, 1] for c in candidates]),
+                "paths": np.array([c.by_paths for c in candidates]),
+                "cost": np.array([c.cost for c in candidates]),
+                "score": scores,
+                "chosen": np.arange(len(candidates)) == chosen,
+            },
+            flip=flip,
+            seed=self.seed,
+            config=self.config,
+        )

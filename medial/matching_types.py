@@ -3,19 +3,42 @@
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError, load_record, save_record
 
+STRATEGIES = ("deformation", "landmarks")
+
+
+_COUNTS = (
+    "samples",
+    "times",
+    "first_mode",
+    "landmarks",
+    "restarts",
+    "partners",
+    "nodes",
+    "fine_nodes",
+    "finalists",
+)
+_CHOICES = {
+    "starts": ("random", "spread"),
+    "selection": ("cost", "fit"),
+    "refine": ("none", "spectral", "deform"),
+}
+
 
 @dataclass(frozen=True, kw_only=True)
 class MatchConfig:
     """Settings of `medial.match`; the defaults are the best ones measured, `paper()` is Sec. 4 as written."""
 
-    samples: int = 700
+    strategy: str = "deformation"
+    """``"deformation"``: landmark sets by medial path length, judged and refined by deformation.
+    ``"landmarks"``: Eqs. 16 and 17."""
+    samples: int = 500
     """Samples S_P and S_Q of spectral clustering; a cloud with fewer points is used whole."""
     times: int = 25
     """Logarithmic time scales."""
@@ -25,21 +48,58 @@ class MatchConfig:
     """Fraction of S_Q, nearest in signature, that Eq. 16 searches; in (0, 1]."""
     landmarks: int = 5
     """Landmark correspondences per restart."""
-    restarts: int = 10
+    restarts: int = 8
     """First landmarks that are tried."""
+    starts: Literal["random", "spread"] = "spread"
+    """First landmarks: drawn at random, or farthest points of the diffusion map."""
+    partners: int = 3
+    """Partners tried for each first landmark, apart from each other: left for right, arm for leg."""
+    paths: bool = True
+    """Also try landmark sets that agree in medial path length (`medial.candidates`)."""
+    selection: Literal["cost", "fit"] = "fit"
+    """What picks a map: the lowest cost of Eq. 17, or how well the deformed source fits the target."""
+    recombine: bool = True
+    """Exchange parts between maps before one is picked; only with selection ``"fit"``."""
+    refine: Literal["none", "spectral", "deform"] = "deform"
+    """Dense map: Eq. 17 (or the quick fit), spectral refinement (ZoomOut), or the settled deformation."""
+    nodes: int = 80
+    """Nodes of the quick deformations."""
+    fine_nodes: int = 200
+    """Nodes of the final deformation."""
+    finalists: int = 3
+    """Maps of nearly the best score that are deformed finely before one is picked."""
 
     def __post_init__(self) -> None:
-        """Check ranges."""
-        for name, low in (("samples", 1), ("times", 1), ("first_mode", 1), ("landmarks", 1), ("restarts", 1)):
-            if getattr(self, name) < low:
-                raise InputError(f"match setting {name} must be at least {low}, got {getattr(self, name)!r}")
+        """Check ranges and choices."""
+        for name in _COUNTS:
+            value, low = getattr(self, name), 8 if name.endswith("nodes") else 1
+            if not isinstance(value, int) or isinstance(value, bool) or value < low:
+                raise InputError(f"match setting {name} must be an integer of at least {low}, got {value!r}")
+        for name, choices in _CHOICES.items():
+            if getattr(self, name) not in choices:
+                raise InputError(
+                    f"match setting {name} must be one of {choices}, got {getattr(self, name)!r}"
+                )
         if not 0 < self.candidates <= 1:
             raise InputError(f"match setting candidates must lie in (0, 1], got {self.candidates!r}")
 
     @classmethod
     def paper(cls) -> "MatchConfig":
         """Sec. 4 as written: 700 samples, 25 times, top 5 %, 5 landmarks, 10 restarts, lowest Eq. 17 cost."""
-        return cls(samples=700, times=25, first_mode=1, candidates=0.05, landmarks=5, restarts=10)
+        return cls(
+            samples=700,
+            times=25,
+            first_mode=1,
+            candidates=0.05,
+            landmarks=5,
+            restarts=10,
+            starts="random",
+            partners=1,
+            paths=False,
+            selection="cost",
+            recombine=False,
+            refine="none",
+        )
 
     @classmethod
     def from_dict(cls, settings: Mapping[str, Any]) -> "MatchConfig":
@@ -66,14 +126,15 @@ class Matching:
     source_to_target : (n_source,) int64
         Target point of every source point.
     landmarks : (L, 2) int64
-        Source and target point ids of the landmarks it grew from.
+        Source point ids of the landmarks it grew from, and their targets in the final map.
     cost : float
         Mean residual of Eq. 17 over the samples, in units of the signature.
     confidence : (n_source,) float64
         In [0, 1].
     restarts : dict of arrays
-        One entry per restart: ``first`` (source point id of the first landmark), ``partner`` (its target),
-        ``cost`` (Eq. 17), ``score`` (higher is better; what picked the restart), ``chosen`` (bool).
+        One entry per landmark set: ``first`` (source point id of the first landmark), ``partner`` (its
+        target), ``paths`` (found by path length, not by Eq. 16), ``cost`` (of Eq. 17; NaN for path length),
+        ``score`` (higher is better; what picked the set), ``chosen`` (bool).
     flip : str
         ``"kept"``, ``"flipped"`` (the mirrored counterpart was taken) or ``"undecided"``.
     seed : int

@@ -1,0 +1,49 @@
+"""How sure each match is: whether its surface met, and whether another map would have fitted as well."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from medial.matching_deform import attach
+from medial.matching_register import Fit, Registration
+from medial.refine import Dense, FineDeformation
+
+Float = NDArray[np.float64]
+
+RIVAL_TEMPERATURE = 0.03
+"""A map whose score is lower by this is e times less likely."""
+SAME_PLACE = 0.1
+"""Nodes placed closer than this, in sqrt(area), agree."""
+
+
+def confidence_of_fit(
+    dense: Dense, best: Fit, pool: list[Fit], fine: FineDeformation, quick: Registration
+) -> Float:
+    """Belief that each match is right, in [0, 1].
+
+    Parameters
+    ----------
+    dense
+        The final map.
+    best
+        The quick fit that it came from.
+    pool
+        All distinct quick fits.
+    fine, quick
+        The deformations.
+
+    Returns
+    -------
+    (n,) float64
+    """
+    weights = np.exp([min(0.0, (fit.score - best.score) / RIVAL_TEMPERATURE) for fit in pool])
+    agree = [np.linalg.norm(fit.pose.positions - best.pose.positions, axis=1) < SAME_PLACE for fit in pool]
+    shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (nodes,)
+    hang = attach(fine.coordinates, quick.graph.coordinates)
+    alone = (shared[hang.nodes] * hang.weights).sum(axis=1)
+    return np.clip(alone * dense.found, 0, 1)
+
+
+def confidence_of_residual(residual: Float) -> Float:
+    """Residuals of Eq. 17 relative to their median, mapped to [0, 1]: 1 fits perfectly, 1/2 is typical."""
+    typical = max(float(np.median(residual)), np.finfo(float).tiny)
+    return 1 / (1 + residual / typical)

@@ -1,0 +1,247 @@
+r"""Deformations of a cloud that bend but hardly stretch: rigid motions of nodes, blended [SSP07].
+
+Node j at rest in g_j carries a rotation R_j and a position y_j; a point x follows its nearest nodes,
+
+    x' = sum_j w_j(x) (R_j (x - g_j) + y_j).
+
+Nodes are near in the *diffusion map*, not in space. For the medial operator a node is a piece of a limb with
+all its sides, so that a side without data follows the sides that have some, and a hand does not stick to the
+hip beside it. Neighbouring nodes should agree on where both of them go and on how they turn. Unknown are six
+numbers per node, found by Gauss-Newton steps with one dense Cholesky factor each.
+
+References
+----------
+[SSP07] Sumner, Schmid, Pauly: Embedded deformation for shape manipulation. SIGGRAPH 2007.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from medial import matching_kernels as kernels
+from medial.sampling import farthest_points
+
+Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
+Int = NDArray[np.int64]
+
+INFLUENCES = 6
+"""Nodes that move a point."""
+SHARED = 0.02
+"""Nodes are neighbours when they share this part of a node's points."""
+BRIDGE = 0.05
+"""Weight of the edges that join nodes which share no points, relative to the mean mass of a node."""
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """How n points hang on nodes: ids and weights, (n, INFLUENCES); weights sum to 1."""
+
+    nodes: Int
+    weights: Float
+
+    def rows(self, index: Int) -> "Attachment":
+        """The attachment of some of the points."""
+        return Attachment(self.nodes[index], self.weights[index])
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where the nodes are: rotations (N, 3, 3) and positions (N, 3)."""
+
+    rotations: Float
+    positions: Float
+
+    def mixed(self, other: "Pose", nodes: Int) -> "Pose":
+        """The pose with some nodes taken from another one."""
+        rotations, positions = self.rotations.copy(), self.positions.copy()
+        rotations[nodes], positions[nodes] = other.rotations[nodes], other.positions[nodes]
+        return Pose(rotations, positions)
+
+
+@dataclass(frozen=True)
+class NodeGraph:
+    """Nodes over a cloud and how strongly neighbours hold together.
+
+    Attributes
+    ----------
+    coordinates : (N, d) float32
+        Diffusion-map coordinates of the nodes.
+    rest : (N, 3) float64
+        Mean of each node's points.
+    edges : (E, 2) int64
+    hold : (E,) float64
+        Weights of the edges; their sum is 1.
+    reach : float
+        Typical radius of a node's points: what turns rotations into lengths.
+    """
+
+    coordinates: Float32
+    rest: Float
+    edges: Int
+    hold: Float
+    reach: float
+
+    @classmethod
+    def over(cls, coordinates: Float32, points: Float, count: int) -> tuple["NodeGraph", Attachment]:
+        """Nodes far apart in the diffusion map, and how the points hang on them.
+
+        Parameters
+        ----------
+        coordinates : (n, d)
+        points : (n, 3)
+        count
+            Number of nodes; at most n.
+        """
+        ids = farthest_points(coordinates, count, int(((coordinates) ** 2).sum(axis=1).argmax()))
+        anchors = coordinates[ids]
+        attachment = attach(coordinates, anchors)
+        share = _shares(attachment, len(ids))  # (n, N)
+        mass = share.sum(axis=0)
+        rest = (share.T @ points) / mass[:, None]
+        spread = (share.T @ (points**2).sum(axis=1)) / mass - (rest**2).sum(axis=1)
+        edges, hold = _edges(share, mass, anchors)
+        return cls(anchors, rest, edges, hold, float(np.sqrt(np.median(np.maximum(spread, 0))))), attachment
+
+    def __len__(self) -> int:
+        """Return the number of nodes."""
+        return len(self.rest)
+
+    def parts(self, nodes: NDArray[np.bool_]) -> list[Int]:
+        """Connected parts of a subset of the nodes."""
+        inside = self.edges[nodes[self.edges].all(axis=1)]
+        graph = coo_array((np.ones(len(inside)), (inside[:, 0], inside[:, 1])), shape=(len(self),) * 2)
+        _, label = connected_components(graph, directed=False)
+        return [np.flatnonzero(nodes & (label == k)) for k in np.unique(label[nodes])]
+
+    def strain(self, pose: Pose) -> float:
+        """Weighted mean square disagreement of neighbours, in squared units of length."""
+        size = 6 * len(self)
+        return self.add_edges(np.zeros((size, size)), np.zeros(size), pose, 1.0)
+
+    def add_edges(self, system: Float, right: Float, pose: Pose, weight: float) -> float:
+        """Add the edges' normal equations, times `weight`; return the strain."""
+        turn, place = pose.rotations, pose.positions
+        return float(
+            kernels.add_edges(
+                system, right, self.edges, self.hold, self.rest, turn, place, self.reach, weight
+            )
+        )
+
+
+def attach(coordinates: Float32, anchors: Float32) -> Attachment:
+    """Hang points on their nearest nodes in the diffusion map; the weight falls to 0 at the next one.
+
+    Parameters
+    ----------
+    coordinates : (n, d)
+    anchors : (N, d)
+    """
+    square = np.einsum("nd,nd->n", coordinates, coordinates)[:, None] - 2 * coordinates @ anchors.T
+    square += np.einsum("nd,nd->n", anchors, anchors)
+    count = min(INFLUENCES, len(anchors) - 1)
+    order = np.argsort(square, axis=1, kind="stable")[:, : count + 1]
+    gap = np.sqrt(np.maximum(np.take_along_axis(square, order, axis=1), 0)).astype(np.float64)
+    weights = np.maximum(1 - gap[:, :count] / np.maximum(gap[:, count:], 1e-12), 1e-3)
+    return Attachment(order[:, :count].astype(np.int64), weights / weights.sum(axis=1, keepdims=True))
+
+
+def _shares(attachment: Attachment, count: int) -> Float:
+    """Weights as a dense matrix, (n, N)."""
+    share = np.zeros((len(attachment.nodes), count))
+    np.put_along_axis(share, attachment.nodes, attachment.weights, axis=1)
+    return share
+
+
+def _edges(share: Float, mass: Float, anchors: Float32) -> tuple[Int, Float]:
+    """Neighbours (sharing points, or the three nearest in the map) and weights; connected."""
+    overlap = share.T @ share / mass.mean()
+    count = len(mass)
+    pairs = {(int(i), int(j)): overlap[i, j] for i, j in np.argwhere(np.triu(overlap, 1) > SHARED)}
+    gap = np.linalg.norm(anchors[:, None] - anchors, axis=2)
+    np.fill_diagonal(gap, np.inf)
+    for i, near in enumerate(np.argsort(gap, axis=1, kind="stable")[:, :3]):
+        for j in near:
+            pairs.setdefault((min(i, int(j)), max(i, int(j))), BRIDGE)
+    while True:
+        edges = np.array(sorted(pairs))
+        graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+        parts, label = connected_components(graph, directed=False)
+        if parts == 1:
+            break
+        apart = np.where((label[:, None] == 0) & (label != 0), gap, np.inf)
+        first, second = divmod(int(apart.argmin()), count)
+        pairs[(min(first, second), max(first, second))] = BRIDGE
+    hold = np.array([pairs[(int(i), int(j))] for i, j in edges])
+    return edges.astype(np.int64), hold / hold.sum()
+
+
+def solve(system: Float, right: Float) -> Float:
+    """Solution of the (slightly damped) normal equations; only the lower triangle is read."""
+    system[np.diag_indices_from(system)] += 1e-6 * np.trace(system) / len(system) + 1e-12
+    return -cho_solve(
+        cho_factor(system, lower=True, check_finite=False, overwrite_a=True), right, check_finite=False
+    )
+
+
+class NormalEquations:
+    """Gauss-Newton step of a pose: add terms, then `step`."""
+
+    def __init__(self, graph: NodeGraph, pose: Pose) -> None:
+        self.graph, self.pose = graph, pose
+        size = 6 * len(graph)
+        self._system, self._right = np.zeros((size, size)), np.zeros(size)
+
+    def pull(
+        self, points: Float, attachment: Attachment, offset: Float, normals: Float, even: Float, along: Float
+    ) -> None:
+        """Pull points: even |offset|^2 + along (n . offset)^2.
+
+        Parameters
+        ----------
+        points : (m, 3)
+            At rest.
+        attachment
+            Of the points.
+        offset : (m, 3)
+            From the goal to where the point is now.
+        normals : (m, 3)
+            At the goal.
+        even, along : (m,)
+            Weights.
+        """
+        kernels.add_points(
+            self._system,
+            self._right,
+            points,
+            attachment.nodes,
+            attachment.weights,
+            self.graph.rest,
+            self.pose.rotations,
+            offset,
+            normals,
+            even,
+            along,
+        )
+
+    def stiffen(self, weight: float) -> None:
+        """Hold neighbouring nodes together."""
+        self.graph.add_edges(self._system, self._right, self.pose, weight)
+
+    def step(self) -> Pose:
+        """The pose after one step."""
+        change = solve(self._system, self._right).reshape(-1, 6)
+        return Pose(kernels.turned(self.pose.rotations, change[:, :3]), self.pose.positions + change[:, 3:])
+
+
+def moved(
+    points: Float, directions: Float, attachment: Attachment, graph: NodeGraph, pose: Pose
+) -> tuple[Float, Float]:
+    """Points (n, 3) and unit directions (n, 3) that hang on nodes, in a pose."""
+    return kernels.moved(
+        points, directions, attachment.nodes, attachment.weights, graph.rest, pose.rotations, pose.positions
+    )

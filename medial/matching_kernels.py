@@ -1,0 +1,261 @@
+"""Compiled inner loops of `medial.matching_deform`: blending, and the normal equations."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from medial.compiled import compiled
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+
+LARGEST_TURN = 0.7
+"""Largest rotation of a node in one Gauss-Newton step, radians."""
+
+
+@compiled(fastmath={"contract"})
+def moved(
+    points: Float, directions: Float, nodes: Int, weights: Float, rest: Float, turn: Float, place: Float
+) -> tuple[Float, Float]:
+    """Blended positions and unit directions, (n, 3) each."""
+    n, influences = nodes.shape
+    here, normal = np.zeros((n, 3)), np.zeros((n, 3))
+    for i in range(n):
+        for k in range(influences):
+            j, w = nodes[i, k], weights[i, k]
+            for r in range(3):
+                x, v = place[j, r], 0.0
+                for c in range(3):
+                    x += turn[j, r, c] * (points[i, c] - rest[j, c])
+                    v += turn[j, r, c] * directions[i, c]
+                here[i, r] += w * x
+                normal[i, r] += w * v
+        length = np.sqrt(normal[i, 0] ** 2 + normal[i, 1] ** 2 + normal[i, 2] ** 2) + 1e-12
+        for r in range(3):
+            normal[i, r] /= length
+    return here, normal
+
+
+@compiled(fastmath={"contract"})
+def _lever(block: Float, w: float, y: Float) -> None:
+    """Derivative of a point at arm y from its node by the node's turn and shift: w [-[y]x, I], (3, 6)."""
+    block[:] = 0.0
+    block[0, 1], block[0, 2] = w * y[2], -w * y[1]
+    block[1, 0], block[1, 2] = -w * y[2], w * y[0]
+    block[2, 0], block[2, 1] = w * y[1], -w * y[0]
+    for r in range(3):
+        block[r, 3 + r] = w
+
+
+@compiled(fastmath={"contract"})
+def _arm(out: Float, turn: Float, x: Float, g: Float) -> None:
+    """R (x - g)."""
+    for r in range(3):
+        out[r] = turn[r, 0] * (x[0] - g[0]) + turn[r, 1] * (x[1] - g[1]) + turn[r, 2] * (x[2] - g[2])
+
+
+@compiled(fastmath={"contract"})
+def add_points(
+    system: Float,
+    right: Float,
+    points: Float,
+    nodes: Int,
+    weights: Float,
+    rest: Float,
+    turn: Float,
+    offset: Float,
+    normals: Float,
+    even: Float,
+    along: Float,
+) -> None:
+    """Add the data terms to the lower triangle of the system and to the right-hand side."""
+    influences = nodes.shape[1]
+    lever, metric = np.zeros((influences, 3, 6)), np.zeros((3, 3))
+    pulled, arm = np.zeros((influences, 3, 6)), np.zeros(3)
+    for i in range(len(points)):
+        if even[i] <= 0 and along[i] <= 0:
+            continue
+        for r in range(3):
+            for c in range(3):
+                metric[r, c] = along[i] * normals[i, r] * normals[i, c]
+            metric[r, r] += even[i]
+        for k in range(influences):
+            j = nodes[i, k]
+            _arm(arm, turn[j], points[i], rest[j])
+            _lever(lever[k], weights[i, k], arm)
+            for r in range(3):
+                for q in range(6):
+                    pulled[k, r, q] = (
+                        metric[r, 0] * lever[k, 0, q]
+                        + metric[r, 1] * lever[k, 1, q]
+                        + metric[r, 2] * lever[k, 2, q]
+                    )
+        for k in range(influences):
+            row = 6 * nodes[i, k]
+            for q in range(6):
+                for r in range(3):
+                    right[row + q] += pulled[k, r, q] * offset[i, r]
+            for m in range(influences):
+                col = 6 * nodes[i, m]
+                if row < col:
+                    continue
+                for p in range(6):
+                    for q in range(6):
+                        total = 0.0
+                        for r in range(3):
+                            total += lever[k, r, p] * pulled[m, r, q]
+                        system[row + p, col + q] += total
+
+
+@compiled(fastmath={"contract"})
+def add_edges(
+    system: Float,
+    right: Float,
+    edges: Int,
+    hold: Float,
+    rest: Float,
+    turn: Float,
+    place: Float,
+    reach: float,
+    weight: float,
+) -> float:
+    """Add the disagreement of neighbours and return it (without `weight`)."""
+    both, gap = np.zeros((3, 12)), np.zeros(3)
+    arm_i, arm_j, axis = np.zeros(3), np.zeros(3), np.zeros(3)
+    energy = 0.0
+    for e in range(len(edges)):
+        i, j = edges[e, 0], edges[e, 1]
+        s = weight * hold[e]
+        for end in range(2):
+            x = rest[i] if end == 0 else rest[j]
+            _arm(arm_i, turn[i], x, rest[i])
+            _arm(arm_j, turn[j], x, rest[j])
+            _lever(both[:, :6], 1.0, arm_i)
+            _lever(both[:, 6:], -1.0, arm_j)
+            for r in range(3):
+                gap[r] = arm_i[r] + place[i, r] - arm_j[r] - place[j, r]
+                energy += hold[e] * gap[r] ** 2
+            for p in range(12):
+                row = 6 * (i if p < 6 else j) + p % 6
+                for r in range(3):
+                    right[row] += s * both[r, p] * gap[r]
+                for q in range(12):
+                    col = 6 * (i if q < 6 else j) + q % 6
+                    if row >= col:
+                        for r in range(3):
+                            system[row, col] += s * both[r, p] * both[r, q]
+        _relative_turn(axis, turn[i], turn[j])
+        for r in range(3):
+            bend = reach * reach * axis[r]
+            energy += hold[e] * bend * axis[r]
+            right[6 * i + r] += s * bend
+            right[6 * j + r] -= s * bend
+            system[6 * i + r, 6 * i + r] += s * reach * reach
+            system[6 * j + r, 6 * j + r] += s * reach * reach
+            low, high = min(i, j), max(i, j)
+            system[6 * high + r, 6 * low + r] -= s * reach * reach
+    return energy
+
+
+@compiled()
+def _relative_turn(axis: Float, a: Float, b: Float) -> None:
+    """Axis times angle of a b^T."""
+    trace = 0.0
+    for r in range(3):
+        for c in range(3):
+            trace += a[r, c] * b[r, c]
+    angle = np.arccos(min(1.0, max(-1.0, 0.5 * (trace - 1))))
+    sine = np.sin(angle)
+    factor = 0.5 * (angle / sine if sine > 1e-6 else 1.0)
+    for r in range(3):
+        p, q = (r + 1) % 3, (r + 2) % 3
+        value = 0.0
+        for c in range(3):
+            value += a[q, c] * b[p, c] - a[p, c] * b[q, c]
+        axis[r] = factor * value
+
+
+def turned(rotations: Float, vectors: Float) -> Float:
+    """Rotations followed by turns about axis times angle (Rodrigues), the angle capped."""
+    angle = np.linalg.norm(vectors, axis=1)
+    axis = vectors / np.maximum(angle, 1e-12)[:, None]
+    angle = np.minimum(angle, LARGEST_TURN)[:, None, None]
+    cross = np.zeros((len(vectors), 3, 3))
+    for r in range(3):
+        p, q = (r + 1) % 3, (r + 2) % 3
+        cross[:, q, p], cross[:, p, q] = axis[:, r], -axis[:, r]
+    return (np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)) @ rotations
+
+
+@compiled()
+def local_motions(
+    points: Float,
+    normals: Float,
+    goal: Float,
+    goal_normals: Float,
+    start: Int,
+    near: Int,
+    weights: Float,
+    rest: Float,
+    arm: float,
+    smallest: float,
+) -> tuple[Float, Float]:
+    """Rigid motion of each node that best takes its points, and points `arm` along their normals, to goals.
+
+    Four rounds of weighted Kabsch; weights fall with the residual relative to its median.
+
+    Parameters
+    ----------
+    points, normals, goal, goal_normals : (n, 3)
+    start, near, weights
+        Points of node j: ``near[start[j]:start[j + 1]]``, and their weights.
+    rest : (N, 3)
+    arm, smallest
+        Length of the normals, and the smallest scale of residuals.
+
+    Returns
+    -------
+    rotations : (N, 3, 3)
+    positions : (N, 3)
+    """
+    count = len(rest)
+    rotations, positions = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    for j in range(count):
+        ids, base = near[start[j] : start[j + 1]], weights[start[j] : start[j + 1]]
+        x, y = points[ids], goal[ids]
+        u, v = arm * normals[ids], arm * goal_normals[ids]
+        w = base.copy()
+        for _ in range(4):
+            total = w.sum() + 1e-300
+            cx, cy = np.zeros(3), np.zeros(3)
+            for i in range(len(ids)):
+                cx += w[i] / total * (x[i] + 0.5 * u[i])
+                cy += w[i] / total * (y[i] + 0.5 * v[i])
+            moment = np.zeros((3, 3))
+            for i in range(len(ids)):
+                for a in range(3):
+                    for b in range(3):
+                        moment[a, b] += w[i] * (
+                            (y[i, a] - cy[a]) * (x[i, b] - cx[b])
+                            + (y[i, a] + v[i, a] - cy[a]) * (x[i, b] + u[i, b] - cx[b])
+                        )
+            left, _, right = np.linalg.svd(moment)
+            sign = 1.0 if np.linalg.det(left) * np.linalg.det(right) >= 0 else -1.0
+            for a in range(3):
+                for b in range(3):
+                    rotations[j, a, b] = (
+                        left[a, 0] * right[0, b] + left[a, 1] * right[1, b] + sign * left[a, 2] * right[2, b]
+                    )
+                positions[j, a] = cy[a]
+                for b in range(3):
+                    positions[j, a] += rotations[j, a, b] * (rest[j, b] - cx[b])
+            residual = np.zeros(len(ids))
+            for i in range(len(ids)):
+                for a in range(3):
+                    gap = positions[j, a] - y[i, a]
+                    for b in range(3):
+                        gap += rotations[j, a, b] * (x[i, b] - rest[j, b])
+                    residual[i] += gap * gap
+            residual = np.sqrt(residual)
+            scale = max(np.median(residual), smallest)
+            w = base / (1 + (residual / scale) ** 2) ** 2
+    return rotations, positions

@@ -1,0 +1,102 @@
+"""Candidate maps: landmark sets of the diffusion (Eq. 16) and of medial path length, and their maps."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from medial.candidates import NONE, LandmarkSet, landmark_sets, spread
+from medial.cloud import Cloud
+from medial.landmarks import Side, extend, first_partners, landmark_order, search_landmarks
+from medial.matching_types import MatchConfig
+from medial.nearest import single_blas_thread
+from medial.paths import MedialPaths
+from medial.sampling import diffusion_map, farthest_points
+
+Int = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One landmark set and the map it spreads to.
+
+    Attributes
+    ----------
+    landmarks : (L, 2) int64
+        Source and target point ids.
+    cost : float
+        Mean of Eq. 17 over the samples; NaN for sets found by path length.
+    by_paths : bool
+        Found by path length instead of Eq. 16.
+    at_samples : (s,) int64
+        Target points of the source samples.
+    dense : callable
+        Target points of all source points.
+    """
+
+    landmarks: Int
+    cost: float
+    by_paths: bool
+    at_samples: Int
+    dense: Callable[[], Int]
+
+
+def diffusion_candidates(
+    here: Side, there: Side, times: NDArray[np.float64], config: MatchConfig, rng: np.random.Generator
+) -> list[Candidate]:
+    """Landmark sets grown from each first landmark and each of its partners (Eq. 16)."""
+    middle = float(np.sqrt(times[0] * times[-1]))
+    found = []
+    for start in first_landmarks(here, middle, config, rng):
+        order = landmark_order(here, times, int(start), config.landmarks)
+        with single_blas_thread():
+            if config.partners == 1:
+                sets = [search_landmarks(here, there, order, config)]
+            else:
+                firsts = first_partners(here, there, int(start), config, middle)
+                sets = [search_landmarks(here, there, order, config, int(first)) for first in firsts]
+        for partners in sets:
+            landmarks = np.column_stack([here.samples[order], there.samples[partners]])
+            found.append(grown(here, there, landmarks))
+    return found
+
+
+def first_landmarks(here: Side, time: float, config: MatchConfig, rng: np.random.Generator) -> Int:
+    """Positions of first landmarks in the samples: at random as in Sec. 4, or far apart."""
+    count = min(config.restarts, len(here.samples))
+    if config.starts == "random":
+        return rng.choice(len(here.samples), size=count, replace=False)
+    embedding = diffusion_map(here.diffusion, time)[here.samples]
+    remote = int(np.linalg.norm(embedding - embedding.mean(axis=0), axis=1).argmax())
+    return farthest_points(embedding, count, remote)
+
+
+def grown(here: Side, there: Side, landmarks: Int) -> Candidate:
+    """The candidate that Eq. 17 makes of landmarks."""
+    at_samples, residual = extend(here, there, landmarks, here.samples)
+    return Candidate(
+        landmarks,
+        float(residual.mean()),
+        False,
+        at_samples,
+        lambda: extend(here, there, landmarks, slice(None))[0],
+    )
+
+
+def path_candidates(here: Side, source: Cloud, target: Cloud) -> list[Candidate]:
+    """Landmark sets that agree in medial path length."""
+    paths_here, paths_there = MedialPaths.of(source), MedialPaths.of(target)
+    return [
+        _of_paths(here, paths_here, paths_there, each)
+        for each in landmark_sets(paths_here, paths_there)
+        if (each.target != NONE).any()
+    ]
+
+
+def _of_paths(here: Side, source: MedialPaths, target: MedialPaths, landmarks: LandmarkSet) -> Candidate:
+    known = landmarks.target != NONE
+    node = spread(source, target, landmarks.source, landmarks.target)
+    dense = target.nodes[node][source.nearest]
+    pairs = np.column_stack([source.nodes[landmarks.source[known]], target.nodes[landmarks.target[known]]])
+    return Candidate(pairs, float("nan"), True, dense[here.samples], lambda: dense)

@@ -1,0 +1,225 @@
+"""Try out a map: deform the source along it, let the surfaces settle on each other, and judge the fit.
+
+A map between medial regions is right up to the ambiguity around each limb, and a landmark set may be wrong or
+mirrored. What settles on the target with little strain, each surface finding the other, is right; a mirrored
+map cannot, as rigid pieces do not reflect ([ZSCO*08] judge correspondences by deformation likewise).
+
+References
+----------
+[ZSCO*08] Zhang, Sheffer, Cohen-Or, Zhou, van Kaick, Tagliasacchi: Deformation-driven shape correspondence.
+    SGP 2008.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from medial.matching_deform import Attachment, Float, Int, NodeGraph, NormalEquations, Pose, moved
+from medial.matching_kernels import local_motions
+
+NORMAL_LENGTH = 0.06
+"""How far apart opposite unit normals count as, per unit of difference of normals, in sqrt(area)."""
+EVEN = 0.1
+"""Weight of the distance to a goal in all directions, relative to that along the goal's normal."""
+BACKWARD = 0.5
+"""Weight of target points that look for the source, relative to source points that look for the target."""
+SEEN_WITHIN = 0.03
+"""Distance, in sqrt(area), at which a point counts half as found."""
+STRAIN_COST = 50.0
+"""Cost of the mean square strain (in areas) in the score of a fit."""
+SMALLEST_SCALE = 0.01
+"""Residuals below this, in sqrt(area), are never outliers."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Schedule:
+    """How a registration proceeds. Weights are relative to a mean data weight of 1."""
+
+    follow: int = 5
+    """Rounds that follow the map."""
+    rounds: int = 15
+    """Rounds of closest points."""
+    stiffness: tuple[float, float] = (3.0, 0.01)
+    """Weight of the agreement of neighbouring nodes, first and last round."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A settled map.
+
+    Attributes
+    ----------
+    pose : Pose
+    moved : (n, 3) float64
+        Source points in that pose.
+    partner : (n,) int64
+        Nearest target point, in position and normal.
+    found : (n,) float64
+        How well each source point found the target, in [0, 1].
+    found_back : (m,) float64
+        How well each target point found the source.
+    strain : float
+        Mean square disagreement of neighbouring nodes, in areas.
+    """
+
+    pose: Pose
+    moved: Float
+    partner: Int
+    found: Float
+    found_back: Float
+    strain: float
+
+    @property
+    def score(self) -> float:
+        """Share of both surfaces that was found, less the cost of the strain; 2 is the best."""
+        return self.seen - STRAIN_COST * self.strain
+
+    @property
+    def seen(self) -> float:
+        """Share of the source that found the target plus share of the target that found the source."""
+        return float(self.found.mean() + self.found_back.mean())
+
+
+class Registration:
+    """A pair of clouds, prepared to try many maps. All lengths are in units of sqrt(area).
+
+    Parameters
+    ----------
+    graph
+        Nodes over the source.
+    points, normals : (n, 3)
+        Source points that take part.
+    attachment
+        Of those points.
+    target_points, target_normals : (m, 3)
+    look_back : (b,) int64
+        Target points that look for the source.
+    """
+
+    def __init__(
+        self,
+        graph: NodeGraph,
+        points: Float,
+        normals: Float,
+        attachment: Attachment,
+        target_points: Float,
+        target_normals: Float,
+        look_back: Int,
+    ) -> None:
+        self.graph, self.attachment = graph, attachment
+        self.points, self.normals = points, normals
+        self.target_points, self.target_normals = target_points, target_normals
+        self._back_points, self._back_normals = target_points[look_back], target_normals[look_back]
+        self._tree = cKDTree(_features(target_points, target_normals))
+        self._back_features = _features(self._back_points, self._back_normals)
+
+    def follow(self, goal: Float, goal_normals: Float, schedule: Schedule) -> Pose:
+        """Deform the source along a map, robustly: what most neighbours agree on wins.
+
+        Parameters
+        ----------
+        goal, goal_normals : (n, 3)
+            Where the map sends the points and their normals.
+        """
+        rotations, positions = local_motions(
+            self.points,
+            self.normals,
+            goal,
+            goal_normals,
+            *_wider(self.attachment, len(self.graph)),
+            self.graph.rest,
+            self.graph.reach,
+            SMALLEST_SCALE,
+        )
+        pose, even = Pose(rotations, positions), 1 / len(self.points)
+        for _ in range(schedule.follow):
+            offset = self._moved(pose)[0] - goal
+            residual = np.linalg.norm(offset, axis=1)
+            weight = even * _robust(residual, max(float(np.median(residual)), 2 * SMALLEST_SCALE))
+            equations = NormalEquations(self.graph, pose)
+            equations.pull(self.points, self.attachment, offset, goal_normals, weight, 0 * weight)
+            equations.stiffen(0.2 * schedule.stiffness[0])
+            pose = equations.step()
+        return pose
+
+    def settle(self, pose: Pose, schedule: Schedule) -> Fit:
+        """Let the surfaces settle on each other: closest points in position and normal, both ways."""
+        first, last = schedule.stiffness
+        for k in range(schedule.rounds):
+            here, normals = self._moved(pose)
+            equations = NormalEquations(self.graph, pose)
+            near = self._tree.query(_features(here, normals))[1]
+            goal, goal_normals = self.target_points[near], self.target_normals[near]
+            self._pull(
+                equations,
+                np.arange(len(here)),
+                here - goal,
+                goal_normals,
+                _cosine(normals, goal_normals),
+                1.0,
+            )
+            back = cKDTree(_features(here, normals)).query(self._back_features)[1]
+            agree = _cosine(normals[back], self._back_normals)
+            self._pull(equations, back, here[back] - self._back_points, self._back_normals, agree, BACKWARD)
+            equations.stiffen(first * (last / first) ** (k / max(schedule.rounds - 1, 1)))
+            pose = equations.step()
+        return self.judge(pose)
+
+    def judge(self, pose: Pose) -> Fit:
+        """How well both surfaces find each other in a pose."""
+        here, normals = self._moved(pose)
+        features = _features(here, normals)
+        near = self._tree.query(features)[1]
+        back = cKDTree(features).query(self._back_features)[1]
+        return Fit(
+            pose,
+            here,
+            near.astype(np.int64),
+            found(here, normals, self.target_points[near], self.target_normals[near]),
+            found(here[back], normals[back], self._back_points, self._back_normals),
+            self.graph.strain(pose),
+        )
+
+    def _moved(self, pose: Pose) -> tuple[Float, Float]:
+        return moved(self.points, self.normals, self.attachment, self.graph, pose)
+
+    def _pull(
+        self, equations: NormalEquations, rows: Int, offset: Float, normals: Float, agree: Float, share: float
+    ) -> None:
+        """Pull some source points to goals, mostly along their normals; far and opposed ones count less."""
+        residual = np.linalg.norm(offset, axis=1)
+        weight = agree**2 * _robust(residual, 1.5 * max(float(np.median(residual)), SMALLEST_SCALE))
+        weight *= share / len(rows)
+        equations.pull(self.points[rows], self.attachment.rows(rows), offset, normals, EVEN * weight, weight)
+
+
+def found(points: Float, normals: Float, goals: Float, goal_normals: Float) -> Float:
+    """How well points meet their goals, in [0, 1]: near, with like normals."""
+    square = ((points - goals) ** 2).sum(axis=1)
+    return _cosine(normals, goal_normals) ** 2 / (1 + square / SEEN_WITHIN**2)
+
+
+def _features(points: Float, normals: Float) -> Float:
+    return np.hstack([points, NORMAL_LENGTH * normals])
+
+
+def _cosine(a: Float, b: Float) -> Float:
+    return np.clip((a * b).sum(axis=1), 0, 1)
+
+
+def _robust(residual: Float, scale: float) -> Float:
+    """Geman-McClure weight (1 + (r / s)^2)^-2."""
+    return 1 / (1 + (residual / scale) ** 2) ** 2
+
+
+def _wider(attachment: Attachment, count: int) -> tuple[Int, NDArray[np.int64], Float]:
+    """Points within reach of each node or of its neighbours, as (start, point, weight) in compressed rows."""
+    share = np.zeros((len(attachment.nodes), count))
+    np.put_along_axis(share, attachment.nodes, attachment.weights, axis=1)
+    overlap = share.T @ share
+    wide = (share @ (overlap / overlap.sum(axis=1, keepdims=True))).T  # (N, n)
+    node, point = np.nonzero(wide > 1e-2 * wide.max(axis=1, keepdims=True))
+    start = np.searchsorted(node, np.arange(count + 1))
+    return start.astype(np.int64), point.astype(np.int64), wide[node, point]

@@ -1,0 +1,137 @@
+"""From a rough map to a dense one: spectral refinement, or a fine deformation that ends on the surface."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from medial.cloud import Cloud, farthest_order
+from medial.diffusion import Diffusion
+from medial.matching_deform import Attachment, NodeGraph, Pose, attach, moved
+from medial.matching_register import Fit, Registration, Schedule
+from medial.nearest import nearest
+from medial.sampling import diffusion_map, smallest_time
+
+Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
+Int = NDArray[np.int64]
+
+NEAR = 3.0
+"""Diffusion time of the deformation's neighbourhoods, in smallest times 4 ln 10 / lambda_max."""
+MOST_POINTS = 8000
+"""Source points that take part in the fine deformation."""
+LOOK_BACK = 3000
+"""Target points that look for the source in the fine deformation."""
+FINE = Schedule(follow=0, rounds=12, stiffness=(1.0, 0.003))
+SPECTRAL_MODES = (20, 30, 40, 55, 70, 90, 115, 150)
+"""Sizes of the functional maps of spectral refinement."""
+
+
+@dataclass(frozen=True)
+class Dense:
+    """A dense map and how well each point's match holds.
+
+    Attributes
+    ----------
+    source_to_target : (n,) int64
+    found : (n,) float64
+        How well the deformed point met its match, in [0, 1].
+    fit : Fit
+    """
+
+    source_to_target: Int
+    found: Float
+    fit: Fit
+
+
+def neighbourhoods(diffusion: Diffusion) -> Float32:
+    """Diffusion-map coordinates in which points of one medial region are close, (n, k)."""
+    return diffusion_map(diffusion, NEAR * smallest_time(diffusion)).astype(np.float32)
+
+
+class FineDeformation:
+    """The fine deformation of a pair, prepared once for several poses.
+
+    Parameters
+    ----------
+    source, target
+        Clouds in common units.
+    coordinates : (n, d)
+        `neighbourhoods` of the source.
+    nodes
+        Number of nodes.
+    """
+
+    def __init__(self, source: Cloud, target: Cloud, coordinates: Float32, nodes: int) -> None:
+        self.source, self.target, self.coordinates = source, target, coordinates
+        count = max(2, min(nodes, len(source) // 4))
+        self.graph, self.attachment = NodeGraph.over(coordinates, source.points, count)
+        taken = farthest_order(source.points, MOST_POINTS) if len(source) > MOST_POINTS else slice(None)
+        self._taken = np.arange(len(source))[taken]
+        self._registration = self._over(self._taken, farthest_order(target.points, LOOK_BACK))
+        self._everything = self._over(np.arange(len(source)), np.arange(1))
+
+    def _over(self, taken: Int, look_back: Int) -> Registration:
+        return Registration(
+            self.graph,
+            self.source.points[taken],
+            self.source.normals[taken],
+            self.attachment.rows(taken),
+            self.target.points,
+            self.target.normals,
+            look_back,
+        )
+
+    def adopt(self, graph: NodeGraph, pose: Pose) -> Pose:
+        """A coarse pose carried over to the fine nodes."""
+        coarse: Attachment = attach(self.coordinates[self._taken], graph.coordinates)
+        taken = self._taken
+        goal = moved(self.source.points[taken], self.source.normals[taken], coarse, graph, pose)
+        return self._registration.follow(*goal, FINE)
+
+    def settle(self, pose: Pose) -> Fit:
+        """Settle the fine deformation."""
+        return self._registration.settle(pose, FINE)
+
+    def judge(self, pose: Pose) -> Fit:
+        """The pose as it is."""
+        return self._registration.judge(pose)
+
+    def dense(self, fit: Fit) -> Dense:
+        """The nearest target point, in position and normal, of every deformed source point."""
+        final = self._everything.judge(fit.pose)
+        return Dense(final.partner, final.found, fit)
+
+
+def spectral_refinement(
+    source: Diffusion, target: Diffusion, source_to_target: Int, sizes: tuple[int, ...] = SPECTRAL_MODES
+) -> Int:
+    """Alternate functional maps and nearest neighbours, with more and more modes (ZoomOut).
+
+    The functional map takes functions on the target to the source by area-weighted projection. A companion
+    surface basis, where both clouds have one, refines further.
+
+    Parameters
+    ----------
+    source, target
+    source_to_target : (n_source,) int64
+    sizes
+        Numbers of modes; larger ones than there are end the refinement.
+
+    Returns
+    -------
+    (n_source,) int64
+
+    References
+    ----------
+    Melzi, Ren, Rodolà, Sharma, Wonka, Ovsjanikov: ZoomOut: spectral upsampling for efficient shape
+    correspondence. SIGGRAPH Asia 2019.
+    """
+    modes = min(source.eigenfunctions.shape[1], target.eigenfunctions.shape[1])
+    for k in (size for size in sizes if size <= modes):
+        here, there = source.eigenfunctions[:, :k], target.eigenfunctions[:, :k]
+        functional = (here * source.areas[:, None]).T @ there[source_to_target]  # (k, k): target to source
+        source_to_target, _ = nearest(here, there @ functional.T)
+    if source.surface is not None and target.surface is not None:
+        return spectral_refinement(source.surface, target.surface, source_to_target, sizes)
+    return source_to_target
