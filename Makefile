@@ -22,6 +22,8 @@ $(CORE): pyproject.toml
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@echo "Installing medialbench into $(VENV) (about 1 GB, a minute or two) ..."
 	@$(BIN)/python -m pip install -q --disable-pip-version-check -e .
+	@echo "Compiling the numerical kernels (once, about a minute) ..."
+	@$(BIN)/python -m medial.warm
 	@touch $@
 
 $(DEV): $(CORE)
