@@ -57,7 +57,7 @@ def build(
         info=store.run_info(),
         settings=store.settings,
         table=table,
-        leaderboard=tables.leaderboard(table),
+        leaderboard=tables.leaderboard(table, tables.ceilings(store.settings)),
         stability=tables.stability(table),
         failures=store.failures(),
     )

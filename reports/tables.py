@@ -1,10 +1,11 @@
 """Tables of a run: the leaderboard, Eq. 18 by threshold; as Markdown, LaTeX, CSV."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -95,18 +96,38 @@ def plain(table: pd.DataFrame) -> pd.DataFrame:
     return result
 
 
-def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
+def ceilings(settings: Mapping[str, Any]) -> set[str]:
+    """Labels of the methods of an experiment that look at the ground truth: no competitors.
+
+    Parameters
+    ----------
+    settings
+        Of `evaluation.ResultsStore.settings`.
+    """
+    from evaluation.methods import find
+
+    found = set()
+    for method in settings.get("method", []):
+        with suppress(Exception):  # a method of the user's that is no longer there competes
+            if find(method["name"]).uses_truth:
+                found.add(str(method.get("label", method["name"])))
+    return found
+
+
+def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFrame:
     """Means per data set, regime and method, the best mean error first within each group.
 
     Parameters
     ----------
     table
         Of `plain`.
+    beyond
+        Methods that do not compete, of `ceilings`; they come last and are never the best.
 
     Returns
     -------
     DataFrame
-        Columns of `LEADERBOARD`; empty if nothing was matched.
+        Columns of `LEADERBOARD` and ``beyond``; empty if nothing was matched.
     """
     maps = _numeric(table[table["kind"] == "matching"])
     if maps.empty:
@@ -122,8 +143,9 @@ def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
     result = means.reset_index()
     place = {key: i for i, key in enumerate(dict.fromkeys(zip(maps["dataset"], maps["regime"], strict=True)))}
     rank = [place[key] for key in zip(result["dataset"], result["regime"], strict=True)]
-    result = result.assign(_rank=rank).sort_values(["_rank", "geodesic_mean"], kind="stable")
-    return result[[c.name for c in LEADERBOARD if c.name in result]].reset_index(drop=True)
+    result = result.assign(_rank=rank, beyond=result["method"].isin(list(beyond)))
+    result = result.sort_values(["_rank", "beyond", "geodesic_mean"], kind="stable")
+    return result[[*(c.name for c in LEADERBOARD if c.name in result), "beyond"]].reset_index(drop=True)
 
 
 def stability(table: pd.DataFrame) -> pd.DataFrame:
@@ -180,7 +202,8 @@ def text(value: object, column: Column) -> str:
 def best_cells(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> set[tuple[int, str]]:
     """(row, column) of the best values of each group; ties as shown share, equal values have none."""
     found = set()
-    for _, rows in table.groupby(list(group), sort=False, dropna=False):
+    rivals = table[~table["beyond"]] if "beyond" in table else table
+    for _, rows in rivals.groupby(list(group), sort=False, dropna=False):
         for column in columns:
             values = rows[column.name].dropna()
             if column.best and len(values):

@@ -25,11 +25,12 @@ def compare(folder: Path, measure: str, quiet: bool) -> None:
     """
     from evaluation.store import ResultsStore
     from reports.statistics import paired_tests
-    from reports.tables import leaderboard, plain
+    from reports.tables import ceilings, leaderboard, plain
     from reports.terminal import leaderboard_lines, tests_lines
 
-    table = plain(ResultsStore(folder).table())
-    board = leaderboard(table)
+    store = ResultsStore(folder)
+    table = plain(store.table())
+    board = leaderboard(table, ceilings(store.settings))
     if board.empty:
         raise Failure(
             f"{str(folder)!r} holds no correspondences to compare; run an experiment with [matching]"

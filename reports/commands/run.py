@@ -1,5 +1,6 @@
 """``medialbench run``: an experiment from shapes to report."""
 
+import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -80,6 +81,7 @@ def load_experiment(name: str, datasets: tuple[str, ...]) -> "Experiment":
 def _sweep(settings: "Experiment", folder: Path, quiet: bool, **options: Any) -> "ResultsStore":
     from evaluation import run as run_experiment
 
+    os.environ.setdefault("PYTHONWARNINGS", "ignore")  # of libraries in the workers
     note(quiet, f"{settings.name}: {settings.description}" if settings.description else settings.name)
     try:
         return run_experiment(settings, folder, progress=_progress(quiet), **options)
@@ -154,11 +156,11 @@ def _finish(store: "ResultsStore", with_report: bool, quiet: bool, jobs: int | N
     """Leaderboard, report, and a failure that counts the failures."""
     from reports.commands.report import write_report
     from reports.page import PAIRS
-    from reports.tables import leaderboard, plain
+    from reports.tables import ceilings, leaderboard, plain
 
     table = plain(store.table())
     page = write_report(store.folder, None, PAIRS, quiet, jobs) if with_report and len(table) else None
-    board = leaderboard(table)
+    board = leaderboard(table, ceilings(store.settings))
     if len(board) and not quiet:
         from reports.terminal import leaderboard_lines
 

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.style import method_colors, new_figure, order_methods, styled
+from reports.figures.style import legend_below, method_colors, new_figure, order_methods, styled
 
 
 @styled
@@ -41,9 +41,7 @@ def pck(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: NDArray[
     for row in grid:
         row[0].set_ylabel("points matched within, %")
     handles = {line.get_label(): line for axes in grid.flat for line in axes.get_lines()}
-    figure.legend(
-        [handles[m] for m in methods], methods, loc="outside lower center", ncols=min(len(methods), 6)
-    )
+    legend_below(figure, [handles[m] for m in methods], methods)
     return figure
 
 
@@ -70,7 +68,7 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
             part = table[(table["dataset"] == dataset) & (table["method"] == name)]
             missing = 50 * (part["source_missing"] + part["target_missing"]).to_numpy()
             error = part["geodesic_mean"].to_numpy()
-            axes.plot(missing, error, ".", color=colors[name], alpha=0.5, markersize=8, mew=0)
+            axes.plot(missing, error, ".", color=colors[name], alpha=0.7, markersize=8, mew=0)
             axes.plot(*_medians(missing, error), color=colors[name], label=name)
         axes.set_title(dataset)
         axes.set_xlabel("missing surface, mean of both scans, %")
@@ -79,7 +77,7 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
     for row in grid:
         row[0].set_ylabel("mean error × 100 / √area")
     handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6))
+    legend_below(figure, handles, labels)
     return figure
 
 

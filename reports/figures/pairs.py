@@ -1,6 +1,7 @@
 """Fig. 8 of the paper: a dense correspondence as colours, methods side by side."""
 
 from dataclasses import dataclass, field, replace
+from textwrap import wrap
 
 import matplotlib as mpl
 import numpy as np
@@ -11,6 +12,12 @@ from numpy.typing import NDArray
 from reports.figures.clouds import ERROR_CAP, ERROR_COLORS, error_colors, mark_landmarks, place_cloud
 from reports.figures.style import QUIET, blank, new_figure, styled
 from reports.render import Camera, best_azimuth, frame, look_from
+
+HEADROOM = 0.16
+"""Inches above the first heads, which may take two lines."""
+
+LETTER = 0.085
+"""Width of a letter of a head, inches."""
 
 PER_ROW = 5
 """Methods side by side before a new row begins."""
@@ -81,7 +88,9 @@ def correspondence(pair: Pair, height: int = 420) -> Figure:
     columns = 1 + max(len(block) for block in blocks)
     tall = 2.8
     wide = max(tall * width / height, 1.5)
-    figure, grid = new_figure(2 * len(blocks), columns, wide * columns + 0.6, 2 * (tall + 0.3) * len(blocks))
+    figure, grid = new_figure(
+        2 * len(blocks), columns, wide * columns + 0.6, 2 * (tall + 0.3) * len(blocks), HEADROOM
+    )
     for axes in grid.flat:
         blank(axes)
     source, target = pair.source, pair.target
@@ -108,15 +117,15 @@ def _panel(top: Axes, bottom: Axes, pair: Pair, panel: Panel, source: Camera, ta
 
 
 def caption(axes: Axes, title: str, note: str) -> None:
-    """Head and a line of small print over a picture."""
-    axes.set_title(title, pad=15)
+    """Head, in two lines if it is long, and a line of small print over a picture."""
+    inches = axes.get_window_extent().width / axes.figure.dpi
+    letters = max(int(inches / LETTER), 12)
+    axes.set_title("\n".join(wrap(title, letters, max_lines=2, placeholder=" …")), pad=15)
     axes.text(0, 1.015, note, transform=axes.transAxes, fontsize=7.5, color=QUIET, va="bottom")
 
 
 def _colorbar(figure: Figure, grid: np.ndarray) -> None:
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, ERROR_CAP), ERROR_COLORS)
-    bar = figure.colorbar(
-        scale, ax=grid[1::2].ravel().tolist(), shrink=0.7, aspect=28, pad=0.01, extend="max"
-    )
+    bar = figure.colorbar(scale, ax=grid[1].tolist(), shrink=0.7, aspect=28, pad=0.01, extend="max")
     bar.set_label("geodesic error × 100 / √area")
     bar.outline.set_visible(False)

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.figures.style import QUIET, new_figure, order_methods, series_styles, styled
+from reports.figures.style import QUIET, legend_below, new_figure, order_methods, series_styles, styled
 
 TICKS = 8
 """Thresholds that are all named on the axis; more are left to the axis."""
@@ -50,7 +50,7 @@ def stability(table: pd.DataFrame) -> Figure:
             axes.set_xticks(thresholds, [f"{value:g}" for value in thresholds])
         axes.set_xlabel("peak threshold τ")
     handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6), title="pose")
+    legend_below(figure, handles, labels, "pose")
     return figure
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from datasets_gen.records import atomic_path
 
@@ -82,10 +83,11 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 
 def new_figure(
-    rows: int, columns: int, width: float, height: float, **options: Any
+    rows: int, columns: int, width: float, height: float, headroom: float = 0.0, **options: Any
 ) -> tuple[Figure, np.ndarray]:
-    """Figure and its (rows, columns) axes; size in inches. Call it from a `styled` function."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+    """Figure and its (rows, columns) axes; sizes in inches. Call it from a `styled` function."""
+    layout = ConstrainedLayoutEngine(rect=(0, 0, 1, 1 - headroom / height))
+    figure = Figure(figsize=(width, height), layout=layout)
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
@@ -144,6 +146,13 @@ def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
         name: {"color": colors[i % len(colors)], "marker": _MARKERS[i % len(_MARKERS)]}
         for i, name in enumerate(names)
     }
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], title: str = "") -> None:
+    """A legend under all panels, in as many columns as fit the width."""
+    inches = 0.065 * max(map(len, labels), default=0) + 0.55  # of an entry: letters, line, gap
+    columns = min(max(int(figure.get_figwidth() / inches), 1), len(labels) or 1)
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, title=title or None)
 
 
 def blank(axes: Axes) -> None:

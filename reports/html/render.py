@@ -1,6 +1,6 @@
 """From what a report has found to its page."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
@@ -70,6 +70,8 @@ def render_page(data: PageData) -> str:
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["file"] = lambda picture: f"figures/{picture.name}"
+    board = data.leaderboard
+    beyond = set(board.loc[board["beyond"], "method"]) if len(board) else set()
     template = environment.from_string(_resource("report.html.j2"))
     return template.render(
         style=_resource("report.css"),
@@ -77,8 +79,8 @@ def render_page(data: PageData) -> str:
         title=data.settings.get("name", "results"),
         description=data.settings.get("description", ""),
         facts=list(facts(data)),
-        sentence=headline(data.table),
-        overall=overall(data.table),
+        sentence=headline(data.table, beyond),
+        overall=overall(data.table, beyond),
         colors=method_colors(data.leaderboard["method"]) if len(data.leaderboard) else {},
         board=blocks(data.leaderboard, BOARD, GROUP, "geodesic_mean", "regime"),
         board_columns=used(BOARD, data.leaderboard)[len(GROUP) :],
@@ -93,8 +95,8 @@ def render_page(data: PageData) -> str:
     )
 
 
-def overall(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Means of each method over all maps, the lowest error first."""
+def overall(table: pd.DataFrame, beyond: Collection[str] = ()) -> list[dict[str, Any]]:
+    """Means of each method over all maps, the lowest error first, those beyond competition last."""
     maps = table[table["kind"] == "matching"]
     rows = []
     for method in order_methods(maps["method"]):
@@ -108,13 +110,15 @@ def overall(table: pd.DataFrame) -> list[dict[str, Any]]:
                 "auc": float(part["pck_auc"].mean()),
                 "flips": None if flips.isna().all() else 100 * float(flips.mean()),
                 "maps": len(part),
+                "beyond": method in beyond,
             }
         )
-    return sorted(rows, key=lambda row: row["mean"])
+    return sorted(rows, key=lambda row: (row["beyond"], row["mean"]))
 
 
-def headline(table: pd.DataFrame) -> str:
-    """The main result in one sentence; empty if fewer than two methods were compared."""
+def headline(table: pd.DataFrame, beyond: Collection[str] = ()) -> str:
+    """The main result in one sentence; empty if fewer than two methods compete."""
+    table = table[~table["method"].isin(list(beyond))]
     ranking = overall(table)
     if len(ranking) < 2:
         return ""
@@ -183,7 +187,8 @@ def _common(rows: pd.DataFrame) -> str:
     """Number of maps and missing surface, which the methods of a regime share."""
     maps = sorted(rows["maps"].astype(int).unique())
     count = f"{maps[0]}" if len(maps) == 1 else f"{maps[0]} to {maps[-1]}"
-    return f"{count} maps per method, {rows['missing'].mean():.0f} % of the surface missing"
+    noun = "map" if count == "1" else "maps"
+    return f"{count} {noun} per method, {rows['missing'].mean():.0f} % of the surface missing"
 
 
 def flat(info: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:

@@ -47,6 +47,22 @@ def test_leaderboard_has_means_spread_and_ranks(table):
     assert list(dict.fromkeys(board["dataset"])) == ["blob", "worm"]
 
 
+def test_methods_that_look_at_the_truth_do_not_compete(table):
+    settings = {
+        "method": [
+            {"name": "truth-landmarks", "label": "medial diffusion"},
+            {"name": "heat"},
+            {"name": "gone.py:X"},
+        ]
+    }
+    beyond = tables.ceilings(settings)
+    assert beyond == {"medial diffusion"}
+    board = tables.leaderboard(table, beyond)
+    group = board[(board["dataset"] == "blob") & (board["regime"] == "threshold 0.3")]
+    assert list(group["method"]) == ["heat kernel", "medial diffusion"]
+    assert not any(row in group.index[group["beyond"]] for row, _ in best_cells(board, LEADERBOARD, GROUP))
+
+
 def test_eq18_comes_from_the_operator_at_the_same_threshold(table):
     board = tables.leaderboard(table).set_index(["dataset", "regime", "method"])["eq18"]
     assert board["blob", "threshold 0.3", "medial diffusion"] == pytest.approx(0.03)
