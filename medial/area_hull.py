@@ -1,9 +1,9 @@
 r"""Area of the hull triangles around one point, without building the hull.
 
-The directions u in which a point p is extreme, u.(q - p) <= 0 for all q, form a convex cone. Its extreme rays
-are the normals of the hull triangles at p, and each of its faces belongs to the hull edge from p to one q.
-The cone is kept as a cyclic list of rays and clipped by one q after the other; if nothing is left, p lies inside
-the hull.
+The directions u in which a point p is extreme, u.(q - p) <= 0 for all q, form a convex cone. Its extreme
+rays are the normals of the hull triangles at p, and each of its faces belongs to the hull edge from p to
+one q. The cone is kept as a cyclic list of rays and clipped by one q after the other; if nothing is left, p
+lies inside the hull.
 """
 
 from typing import Any

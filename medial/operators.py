@@ -17,7 +17,7 @@ from medial.normals import check_normals, estimate_normals
 from medial.robust import tufted_laplacian
 from medial.similarity import check_similarity, similarity
 from medial.similarity_tree import kd_order
-from medial.spectrum import Modes, smallest_modes, sparse_modes
+from medial.spectrum import Modes, smallest_modes
 from medial.surface import REFERENCE_POINTS, density_weights, surface_areas
 
 log = logging.getLogger(__name__)
@@ -175,7 +175,12 @@ def _build(
     centers, radii = points, np.zeros(len(points))
     if config.operator == "robust":
         stiffness, areas = tufted_laplacian(points)
-        return _Parts(areas, sparse_modes(stiffness, areas, config.modes), centers, radii)
+        return _Parts(
+            areas,
+            smallest_modes(stiffness, areas, config.modes, config.tolerance, factorise=True),
+            centers,
+            radii,
+        )
     areas = surface_areas(points, normals)
     if config.operator == "heat":
         stiffness = heat_laplacian(points, areas)

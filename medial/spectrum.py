@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import eigsh
 from threadpoolctl import threadpool_limits
 
 from datasets_gen.records import InputError
+from medial.spectrum_inverse import inverse_lanczos
 from medial.spectrum_lanczos import filtered_lanczos
 
 DENSE_POINTS = 1200  # up to here, and below four points per mode, a dense solver is faster
@@ -41,8 +41,10 @@ def smallest_modes(
     modes: int,
     tolerance: float = 1e-6,
     start: NDArray[np.float64] | None = None,
+    *,
+    factorise: bool = False,
 ) -> Modes:
-    """The `modes` smallest eigenpairs of ``S psi = lambda A psi`` (Chebyshev-filtered block Lanczos).
+    """The `modes` smallest eigenpairs of ``S psi = lambda A psi``.
 
     Constant functions on connected components are known exactly, so they are not searched for: the cloud may
     have any number of components.
@@ -59,6 +61,9 @@ def smallest_modes(
         Largest residual relative to the largest eigenvalue.
     start : (n, j), optional
         Eigenfunctions of a similar operator on the same points: a warm start.
+    factorise
+        Invert the matrix (`medial.spectrum_inverse`) rather than filter it (`medial.spectrum_lanczos`): for a
+        few entries per row and eigenvalues of any spread, such as surface Laplacians.
 
     Raises
     ------
@@ -73,44 +78,16 @@ def smallest_modes(
     with threadpool_limits(1, user_api="blas"):
         if n <= max(DENSE_POINTS, 4 * modes):
             return _dense(matrix, scale, modes)
-        if len(constants.T) == modes:
-            return _finish(np.zeros(modes), constants, scale, 0.0)
-        warm = None if start is None else start / scale[:, None]
-        values, vectors, residual = filtered_lanczos(
-            matrix, modes - len(constants.T), constants, tolerance, warm
-        )
+        wanted = modes - len(constants.T)
+        if wanted == 0:
+            values, vectors, residual = np.zeros(0), constants[:, :0], 0.0
+        elif factorise:
+            values, vectors, residual = inverse_lanczos(matrix, wanted, constants, tolerance)
+        else:
+            warm = None if start is None else start / scale[:, None]
+            values, vectors, residual = filtered_lanczos(matrix, wanted, constants, tolerance, warm)
     values = np.concatenate([np.zeros(len(constants.T)), values])
     return _finish(values, np.concatenate([constants, vectors], axis=1), scale, residual)
-
-
-def sparse_modes(stiffness: csr_array, areas: NDArray[np.float64], modes: int) -> Modes:
-    """As `smallest_modes`, by factorising: for a few entries per row, and eigenvalues of any spread.
-
-    Raises
-    ------
-    InputError
-        If there are not more points than modes.
-    """
-    n = len(areas)
-    _check(modes, n)
-    scale = 1 / np.sqrt(areas)
-    matrix = symmetric_form(stiffness, scale)
-    with threadpool_limits(1, user_api="blas"):
-        if n <= DENSE_POINTS:
-            return _dense(matrix, scale, modes)
-        shift = -1e-6 * float(np.median(matrix.diagonal()))
-        values, vectors = eigsh(
-            csc_array(matrix),
-            k=modes,
-            sigma=shift,
-            which="LM",
-            v0=np.random.default_rng(0).standard_normal(n),
-        )
-        order = np.argsort(values)
-        values, vectors = values[order], vectors[:, order]
-        top = float(abs(matrix).sum(axis=1).max())
-        residual = np.linalg.norm(matrix @ vectors - vectors * values, axis=0).max() / top
-    return _finish(values, vectors, scale, float(residual))
 
 
 def symmetric_form(stiffness: csr_array, scale: NDArray[np.float64]) -> csr_array:

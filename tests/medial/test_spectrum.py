@@ -6,8 +6,9 @@ from scipy.sparse import block_diag, csr_array, diags_array
 from datasets_gen.records import InputError
 from medial import similarity, surface_areas
 from medial.laplacian import combine, gaussian_weights, laplacian
-from medial.spectrum import smallest_modes, sparse_modes
-from medial.spectrum_lanczos import chebyshev, filtered_lanczos, multiply
+from medial.spectrum import smallest_modes
+from medial.spectrum_krylov import multiply
+from medial.spectrum_lanczos import chebyshev, filtered_lanczos
 from tests.medial import clouds
 
 
@@ -45,29 +46,32 @@ def test_equals_dense_solver(problem, modes):
     check(found, stiffness, areas)
 
 
-def test_sparse_solver_equals_dense(problem):
+@pytest.mark.parametrize("modes", [1, 40, 200])
+def test_factorising_solver_equals_dense(problem, modes):
     stiffness, areas, values = problem
-    found = sparse_modes(stiffness, areas, 40)
-    assert found.eigenvalues == pytest.approx(values[:40], abs=1e-9)
+    found = smallest_modes(stiffness, areas, modes, factorise=True)
+    assert found.eigenvalues == pytest.approx(values[:modes], abs=1e-9)
     check(found, stiffness, areas)
 
 
-def test_wide_spectrum():
+@pytest.mark.parametrize("factorise", [False, True])
+def test_wide_spectrum(factorise):
     """A long cycle: the wanted eigenvalues are a ten-thousandth of the largest, in pairs."""
     stiffness, areas = ring(3000), np.ones(3000)
     exact = np.sort(2 - 2 * np.cos(2 * np.pi * np.arange(3000) / 3000))[:20]
-    found = smallest_modes(stiffness, areas, 20, tolerance=1e-8)
+    found = smallest_modes(stiffness, areas, 20, tolerance=1e-8, factorise=factorise)
     assert found.eigenvalues == pytest.approx(exact, abs=1e-8)
     check(found, stiffness, areas)
 
 
+@pytest.mark.parametrize("factorise", [False, True])
 @pytest.mark.parametrize("pieces", [2, 40])
-def test_disconnected(pieces):
+def test_disconnected(pieces, factorise):
     """Zero is found once for every component, also when there are more than vectors in a block."""
     size = 4000 // pieces
     stiffness, areas = csr_array(block_diag([ring(size)] * pieces).tocsr()), np.ones(size * pieces)
     exact = np.sort(np.tile(2 - 2 * np.cos(2 * np.pi * np.arange(size) / size), pieces))
-    found = smallest_modes(stiffness, areas, pieces + 3)
+    found = smallest_modes(stiffness, areas, pieces + 3, factorise=factorise)
     assert (found.eigenvalues[:pieces] == 0).all()
     assert found.eigenvalues[pieces:] == pytest.approx(exact[pieces : pieces + 3], abs=1e-6)
     constant = found.eigenfunctions[:, :pieces].reshape(pieces, size, pieces)
@@ -114,9 +118,8 @@ def test_unreached_residual_is_reported(problem, caplog):
 
 @pytest.mark.parametrize("modes", [0, 300, 301])
 def test_too_many_modes(modes):
-    for solve in (smallest_modes, sparse_modes):
-        with pytest.raises(InputError, match=f"{modes} modes asked of 300 points"):
-            solve(ring(300), np.ones(300), modes)
+    with pytest.raises(InputError, match=f"{modes} modes asked of 300 points"):
+        smallest_modes(ring(300), np.ones(300), modes)
 
 
 def test_multiply_and_chebyshev(problem):
