@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from reports.commands.settings import parsed
 from reports.console import Command, Failure, note, steps
 
 if TYPE_CHECKING:
@@ -56,6 +57,13 @@ def _shared(command: Callable[..., None]) -> Callable[..., None]:
 @click.option(
     "--method", default="medial", show_default=True, help="Matching method; see medialbench doctor."
 )
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="An option of the method, as config=paper; may be repeated.",
+)
 def match(
     source: Path,
     target: Path,
@@ -66,6 +74,7 @@ def match(
     repair: bool,
     picture: Path | None,
     method: str,
+    settings: tuple[str, ...],
     quiet: bool,
 ) -> None:
     """Match two clouds: for every point of SOURCE, a point of TARGET.
@@ -94,7 +103,7 @@ def match(
         from evaluation.methods.base import Cloud
         from evaluation.methods.registry import create, missing
 
-        matcher = create(method, {})
+        matcher = create(method, parsed(settings))
         if lacking := missing(method):
             raise Failure(lacking)
         if matcher.uses_truth:

@@ -1,10 +1,10 @@
 """``medialbench scan``: a mesh through the simulated laser scanner."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
+from reports.commands.settings import parsed
 from reports.console import Command, note, steps
 
 
@@ -74,7 +74,7 @@ def scan(
     if range_images is not None:
         check_output_folder(range_images)
     named = {"views": _number(views), "peak_threshold": peak_threshold}
-    given = {name: value for name, value in named.items() if value is not None} | _parsed(settings)
+    given = {name: value for name, value in named.items() if value is not None} | parsed(settings)
     with steps(
         quiet, [("reading the mesh", 1), ("starting the scanner", 2), ("scanning", 10), ("writing", 2)]
     ) as step:
@@ -103,19 +103,3 @@ def scan(
 
 def _number(views: str | None) -> int | str | None:
     return int(views) if views is not None and views.lstrip("-").isdigit() else views
-
-
-def _parsed(settings: tuple[str, ...]) -> dict[str, Any]:
-    """NAME=VALUE pairs; values as in TOML, or else text."""
-    import tomllib
-
-    table: dict[str, Any] = {}
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        if not equals or not name:
-            raise click.UsageError(f"--set takes NAME=VALUE, got {setting!r}")
-        try:
-            table[name.strip()] = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
-            table[name.strip()] = value.strip()
-    return table
