@@ -125,8 +125,8 @@ class _Filter:
     def error(self, values: Array, residuals: Array) -> float:
         """Largest residual in terms of the matrix itself, in units of the tolerance.
 
-        What is wrong with a Ritz vector lies above the edge, so a residual e of the filtered matrix is one of at
-        most e (top - lambda) / (p(lambda) - 1) of the matrix.
+        What is wrong with a Ritz vector lies above the edge, so a residual e of the filtered matrix is one of
+        at most e (top - lambda) / (p(lambda) - 1) of the matrix.
         """
         x = np.cosh(np.arccosh(np.maximum(values, 1 + 1e-6)) / self.degree)
         lowest = (self.top + self.edge) / 2 - x * (self.top - self.edge) / 2

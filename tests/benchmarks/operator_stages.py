@@ -1,0 +1,79 @@
+"""Time and peak memory of every stage of the medial operator, as JSON on standard output.
+
+    python -m tests.benchmarks.operator_stages POINTS [MODES] [--plain]
+
+Run as a process of its own, so that the memory of one size is not counted for another.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+from medial.area import calibrated, dual_areas, medial_axis
+from medial.laplacian import combine, diffusion_rates, gaussian_weights, laplacian
+from medial.operators import NEAREST
+from medial.similarity import similarity
+from medial.spectrum import smallest_modes
+from medial.surface import REFERENCE_POINTS, density_weights, surface_areas
+from tests.benchmarks.plain_similarity import plain_similarity
+from tests.medial import clouds
+
+STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+
+
+def peak_megabytes():
+    """Peak memory since `forget_peak`; None where the system does not tell."""
+    if not STATUS.exists():
+        return None
+    return next(int(line.split()[1]) / 1024 for line in STATUS.read_text().splitlines() if "VmHWM" in line)
+
+
+def forget_peak():
+    try:
+        RESET.write_text("5")
+    except OSError:
+        return
+
+
+def stages(points, normals, modes, plain):
+    """Seconds, processor seconds and peak megabytes by stage, and sizes."""
+    report = {"points": len(points)}
+
+    def timed(name, function, *args, **kwargs):
+        forget_peak()
+        start, busy = time.perf_counter(), time.process_time()
+        result = function(*args, **kwargs)
+        report[name] = [time.perf_counter() - start, time.process_time() - busy, peak_megabytes()]
+        return result
+
+    surface = timed("surface", surface_areas, points, normals)
+    weights = density_weights(surface)
+    phi = timed("similarity", similarity, points, normals, weights=weights)
+    centers, radii = timed("axis", medial_axis, points, normals, phi)
+    areas = calibrated(timed("areas", dual_areas, points, centers, radii, normals, NEAREST), surface)
+    alpha, bandwidths = timed("gaussian", gaussian_weights, points, surface)
+    rates = diffusion_rates(bandwidths, surface.sum(), REFERENCE_POINTS)
+    sigma = timed("combination", combine, phi, alpha, areas, 0.5, rates)
+    stiffness = timed("laplacian", laplacian, sigma, areas)
+    found = timed("modes", smallest_modes, stiffness, areas, modes)
+    report["residual"] = found.residual
+    report["phi per row"], report["sigma per row"] = phi.nnz / len(points), sigma.nnz / len(points)
+    if plain:
+        slow = timed("plain", plain_similarity, points, normals, weights)
+        report["difference"] = float(abs(phi - slow).max())
+    return report
+
+
+def main(arguments):
+    numbers = [int(each) for each in arguments if each.isdigit()]
+    points, modes = [*numbers, 300][:2]
+    cold = time.perf_counter()
+    stages(*clouds.body(1300), 20, "--plain" in arguments)
+    cold = time.perf_counter() - cold
+    report = stages(*clouds.body(points), modes, "--plain" in arguments)
+    sys.stdout.write(json.dumps(report | {"first call": cold}) + "\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,70 @@
+"""How long the medial operator takes, how much memory it needs, and how both grow: printed by `make perf`."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SIZES = (5000, 10_000, 20_000, 40_000, 80_000)
+PLAIN_UP_TO = 10_000
+STAGES = ("surface", "similarity", "axis", "areas", "gaussian", "combination", "laplacian", "modes")
+reports: dict[int, dict] = {}
+
+
+def say(line=""):
+    sys.stdout.write(line + "\n")
+
+
+def measure(points, **environment):
+    command = [sys.executable, "-m", "tests.benchmarks.operator_stages", str(points)]
+    command += ["--plain"] if points <= PLAIN_UP_TO else []
+    done = subprocess.run(
+        command, cwd=ROOT, env=os.environ | environment, capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("points", SIZES)
+def test_operator(benchmark, points):
+    reports[points] = benchmark.pedantic(measure, args=(points,), rounds=1)
+    assert reports[points]["residual"] < 1e-6
+
+
+def test_first_call_without_a_cache(benchmark, tmp_path):
+    """Compiling everything, as after installation."""
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
+    report = benchmark.pedantic(measure, args=(1300,), kwargs=cache, rounds=1)
+    say(f"\nfirst call with an empty cache: {report['first call']:.1f} s")
+
+
+def test_table(benchmark):
+    """Not a measurement: prints what the others measured."""
+    benchmark.pedantic(lambda: None, rounds=1)
+    if not reports:
+        pytest.skip("nothing was measured")
+    say("\n\nmedial operator, 300 modes: seconds / processor seconds (peak MB of the process)")
+    say("points  " + "".join(f"{stage:>21}" for stage in STAGES) + "   phi/row sigma/row  plain/fast")
+    for points, report in reports.items():
+        cells = "".join(
+            f"{report[stage][0]:7.2f}/{report[stage][1]:6.2f} {_megabytes(report[stage]):>6}"
+            for stage in STAGES
+        )
+        plain = f"{report['plain'][1] / report['similarity'][1]:9.1f}x" if "plain" in report else " " * 10
+        say(f"{points:<8}{cells} {report['phi per row']:9.0f} {report['sigma per row']:9.0f}  {plain}")
+    if len(reports) > 1:
+        say("growth  " + "".join(f"{f'n^{_growth(stage):.2f}':>21}" for stage in STAGES))
+    assert all(report.get("difference", 0) < 5e-5 for report in reports.values())
+
+
+def _megabytes(pair):
+    return f"({pair[2]:.0f})" if pair[2] else ""
+
+
+def _growth(stage):
+    sizes = np.log(list(reports))
+    return np.polyfit(sizes, np.log([max(report[stage][1], 1e-4) for report in reports.values()]), 1)[0]
