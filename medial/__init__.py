@@ -6,6 +6,7 @@ from medial.matching import extrapolate, match
 from medial.matching_types import MatchConfig, Matching
 from medial.similarity import similarity
 from medial.surface import density_weights, surface_areas
+from medial.symmetry import intrinsic_symmetry
 
 __all__ = [
     "Diffusion",
@@ -14,6 +15,7 @@ __all__ = [
     "density_weights",
     "dual_areas",
     "extrapolate",
+    "intrinsic_symmetry",
     "match",
     "medial_axis",
     "similarity",
