@@ -382,6 +382,20 @@ def test_clouds_that_cannot_be_matched_are_refused(scan_file, tmp_path):
     assert not out.exists()
 
 
+def test_symmetry_maps_a_cloud_to_itself_and_draws_it(scan_file, tmp_path):
+    out, picture = tmp_path / "map.npz", tmp_path / "map.png"
+    result = run("symmetry", scan_file, "-o", out, *FAST, "--picture", picture)
+    assert result.exit_code == 0, result.output
+    arrays, meta = load_map(out)
+    assert np.array_equal(arrays["source_points"], arrays["target_points"])
+    image = arrays["source_to_target"]
+    assert image.shape == (600,)
+    assert ((image >= -1) & (image < 600)).all()
+    assert meta["method"] == "symmetry"
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    fails(run("symmetry", scan_file, "-o", out, "--picture", tmp_path / "p.gif"), ".png or .pdf")
+
+
 # ---------------------------------------------------------------------------- run, report, compare
 
 
