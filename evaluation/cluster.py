@@ -40,11 +40,15 @@ class Cluster:
         Threads that run tasks.
     dashboard : str
         Address of Dask's dashboard, or how to get one; empty if there is none.
+    patience : float
+        Seconds without any worker after which a sweep gives up: a queue may bring new ones to a running
+        cluster, nothing does to a local one whose workers cannot be restarted.
     """
 
     client: "Client"
     workers: int
     dashboard: str
+    patience: float
 
 
 @contextlib.contextmanager
@@ -85,7 +89,7 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
         stack.enter_context(client)
         _check(client, folder)
         threads = sum(client.nthreads().values())
-        yield Cluster(client, threads, _dashboard(client))
+        yield Cluster(client, threads, _dashboard(client), 60.0 if scheduler is None else 3600.0)
 
 
 def _join(kind: type["Client"], scheduler: str) -> "Client":

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -10,38 +10,16 @@ import numpy as np
 
 from datasets_gen.records import InputError
 from datasets_gen.registry import names
-from evaluation.experiment import Condition, Dataset, Experiment, Method, Regime
+from evaluation.experiment import Experiment
 from evaluation.identity import digest_files, seed_of
 from evaluation.methods.base import Method as MethodClass
 from evaluation.methods.registry import create, method_version, missing
+from evaluation.sections import Dataset, Method, Regime
 from evaluation.settings import reject_unknown
+from evaluation.subject import Plan, Row, Subject, scanner_settings
 from evaluation.tasks import Task
-
-FLOOR = 0.05
-"""Renders keep peaks from here on, so that one render serves every threshold above."""
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A row of the table: what it is about, and the score that fills it."""
-
-    columns: Mapping[str, Any]
-    score: str
-
-
-@dataclass
-class Plan:
-    """Tasks by key, inputs before the tasks that need them, and the rows they end in."""
-
-    tasks: dict[str, Task] = field(default_factory=dict)
-    rows: list[Row] = field(default_factory=list)
-    unavailable: dict[str, str] = field(default_factory=dict)
-    """Labels of methods that cannot run here, and why."""
-
-    def add(self, task: Task) -> str:
-        """Enter a task once; returns its key."""
-        self.tasks.setdefault(task.key, task)
-        return task.key
+from medial.operators import OPERATORS, Operator
+from scanner_sim import ScannerConfig
 
 
 def shape_tasks(experiment: Experiment) -> dict[str, Task]:
@@ -88,6 +66,7 @@ def make_plan(
     InputError
         If a pose, method or option is unknown.
     """
+    _check(experiment)
     plan = Plan()
     for task in shapes.values():
         plan.add(task)
@@ -100,82 +79,35 @@ def make_plan(
         name = display_name(dataset)
         if name not in known:
             continue
-        subject = _Subject(experiment, plan, name, shapes[name].key, known[name], dataset)
+        subject = Subject(experiment, plan, name, shapes[name].key, known[name], dataset)
         for seed in experiment.seeds:
             _plan_stability(subject, seed)
             _plan_matching(subject, seed, methods)
     return plan
 
 
-class _Subject:
-    """Enters the tasks of one subject; each helper returns the key of its task."""
+def _check(experiment: Experiment) -> None:
+    """Settings that are passed on: to the scanner and to operators.
 
-    def __init__(
-        self,
-        experiment: Experiment,
-        plan: Plan,
-        name: str,
-        shape: str,
-        about: Mapping[str, Any],
-        dataset: Dataset,
-    ) -> None:
-        self.experiment, self.plan, self.name, self.shape = experiment, plan, name, shape
-        self.subject, self.reference = str(about["subject"]), str(about["reference"])
-        self.poses = _poses(dataset, about)
-
-    def render(self, pose: str, condition: Condition, seed: int) -> str:
-        floor = min(FLOOR, condition.threshold)
-        scanner = {**condition.scanner, "views": condition.views, "peak_threshold": floor}
-        spec = {"pose": pose, "scanner": scanner, "seed": seed_of("render", self.subject, pose, seed)}
-        label = f"{self.name} {pose} {condition.views} views"
-        return self.plan.add(Task.of("render", spec, {"shape": self.shape}, label))
-
-    def cloud(self, pose: str, condition: Condition, seed: int) -> str:
-        spec = {
-            "pose": pose,
-            "threshold": condition.threshold,
-            "points": condition.points,
-            "rotation": condition.rotation,
-            "scale": condition.scale,
-            "seed": seed_of("cloud", self.subject, pose, seed),
-        }
-        inputs = {"shape": self.shape, "render": self.render(pose, condition, seed)}
-        return self.plan.add(Task.of("scan", spec, inputs, f"{self.name} {pose} tau {condition.threshold}"))
-
-    def ideal(self, seed: int) -> str:
-        spec = {
-            "pose": self.reference,
-            "ideal": True,
-            "points": self.experiment.scan.points,
-            "seed": seed_of("ideal", self.subject, seed),
-        }
-        return self.plan.add(
-            Task.of("scan", spec, {"shape": self.shape}, f"{self.name} {self.reference} ideal")
-        )
-
-    def operator(self, scan: str, operator: str) -> str:
-        settings = self.experiment.operators
-        spec = {"operator": operator, "modes": settings.modes, "options": dict(getattr(settings, operator))}
-        label = f"{self.plan.tasks[scan].label} {operator}"
-        return self.plan.add(Task.of("operator", spec, {"scan": scan}, label))
+    Raises
+    ------
+    InputError
+        If one is unknown or refused there.
+    """
+    conditions = [condition for _, condition in experiment.stability_conditions()]
+    conditions += [condition for each in experiment.regimes() for condition in (each.source, each.target)]
+    for condition in conditions:
+        reject_unknown(condition.scanner, [f.name for f in fields(ScannerConfig)], "scanner")
+        ScannerConfig.from_dict(scanner_settings(condition))
+    known = [f.name for f in fields(Operator) if f.name not in ("operator", "modes")]
+    for name in OPERATORS:
+        given = getattr(experiment.operators, name)
+        reject_unknown(given, [*known, "surface", "surface_modes"], f"[operators] {name}")
+        own = {key: value for key, value in given.items() if key in known}
+        Operator(operator=name, modes=experiment.operators.modes, **own)
 
 
-def _poses(dataset: Dataset, about: Mapping[str, Any]) -> list[str]:
-    """Poses to use, in the data set's order; a number takes the reference first."""
-    known, wanted = list(about["poses"]), dataset.poses
-    if isinstance(wanted, tuple):
-        reject_unknown(wanted, known, f"data set {dataset.name!r}", "pose")
-        return list(dict.fromkeys(wanted))
-    if isinstance(wanted, int):
-        first = [about["reference"]] if about["reference"] in known else []
-        ordered = first + [pose for pose in known if pose != about["reference"]]
-        if wanted > len(ordered):
-            raise InputError(f"data set {dataset.name!r} has {len(ordered)} poses, {wanted} were asked for")
-        return ordered[:wanted]
-    return known
-
-
-def _plan_stability(subject: _Subject, seed: int) -> None:
+def _plan_stability(subject: Subject, seed: int) -> None:
     experiment = subject.experiment
     if experiment.stability is None:
         return
@@ -209,7 +141,7 @@ def _plan_stability(subject: _Subject, seed: int) -> None:
             subject.plan.rows.append(Row({**base, **about, **keys, "score_key": score}, score))
 
 
-def _plan_matching(subject: _Subject, seed: int, methods: Mapping[str, tuple[MethodClass, str]]) -> None:
+def _plan_matching(subject: Subject, seed: int, methods: Mapping[str, tuple[MethodClass, str]]) -> None:
     for regime in subject.experiment.regimes():
         for source, target in _pairs(subject):
             for choice in subject.experiment.method:
@@ -218,7 +150,7 @@ def _plan_matching(subject: _Subject, seed: int, methods: Mapping[str, tuple[Met
 
 
 def _plan_map(
-    subject: _Subject,
+    subject: Subject,
     seed: int,
     regime: Regime,
     pair: tuple[str, str],
@@ -264,7 +196,7 @@ def _plan_map(
     subject.plan.rows.append(Row(columns, score))
 
 
-def _pairs(subject: _Subject) -> list[tuple[str, str]]:
+def _pairs(subject: Subject) -> list[tuple[str, str]]:
     """Ordered pairs of poses to match."""
     assert subject.experiment.matching is not None
     rule, poses = subject.experiment.matching.pairs, subject.poses

@@ -5,14 +5,19 @@ import logging
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any
 
+from datasets_gen.records import InputError
 from evaluation.cluster import Cluster
 from evaluation.progress import Progress
 from evaluation.tasks import Report, Task
 from evaluation.worker import run_task
 
 log = logging.getLogger(__name__)
+
+LOOK_EVERY = 5.0
+"""Seconds between looks for workers while no task ends."""
 
 IN_FLIGHT = 3
 """Tasks handed to the scheduler per worker: enough that none waits, few enough that memory stays flat."""
@@ -105,15 +110,13 @@ def execute(
     runner
         What a worker calls; `run_task` but for tests.
     """
-    from distributed import as_completed
-
     queue = Queue(tasks, stored)
     failures: list[Report] = []
-    flying: dict[tuple[str, str], Task] = {}
-    done = as_completed(with_results=True, raise_errors=False)
+    flying: dict[Any, Task] = {}
+    done: SimpleQueue[Any] = SimpleQueue()
 
     def submit() -> None:
-        while len(flying) < IN_FLIGHT * cluster.workers:
+        while len(flying) < IN_FLIGHT * max(cluster.workers, 1):
             task = queue.pop()
             if task is None:
                 return
@@ -121,21 +124,42 @@ def execute(
                 f"{task.stage}-{run}",
                 task.key,
             )  # grouped by stage: the scheduler remembers groups for ever
-            flying[key] = task
-            done.add(
-                cluster.client.submit(runner, str(folder), task, run, limit, key=key, pure=False, retries=0)
-            )
+            future = cluster.client.submit(runner, str(folder), task, run, limit, key=key, pure=False)
+            flying[future.key] = task
+            future.add_done_callback(done.put)
 
     submit()
     while flying:
-        future, result = next(done)
+        future = _next(done, cluster)
         task = flying.pop(future.key)
-        report = result if isinstance(result, Report) else _lost(task, result)
-        for each in _settle(queue, report):
+        for each in _settle(queue, _report(task, future)):
             failures.extend([] if each.ok else [each])
             progress.advance(each)
         submit()
     return failures
+
+
+def _next(done: "SimpleQueue[Any]", cluster: Cluster) -> Any:
+    """The next future that has ended; gives up if there has been no worker for too long."""
+    alone = 0.0
+    while True:
+        try:
+            return done.get(timeout=LOOK_EVERY)
+        except Empty:
+            alone = 0.0 if cluster.client.nthreads() else alone + LOOK_EVERY
+            if alone >= cluster.patience:
+                raise InputError(
+                    f"no worker for {alone:.0f} s: all are gone; results are stored, the same command goes on"
+                ) from None
+
+
+def _report(task: Task, future: Any) -> Report:
+    """What a worker reported, or what Dask says of a task whose worker never answered."""
+    try:
+        found = future.result()
+    except Exception as error:
+        return Report(task, False, f"{type(error).__name__}: {error}".splitlines()[0], "crash")
+    return found if isinstance(found, Report) else Report(task, False, f"no report but {found!r}", "crash")
 
 
 def _settle(queue: Queue, report: Report) -> Iterator[Report]:
@@ -148,12 +172,6 @@ def _settle(queue: Queue, report: Report) -> Iterator[Report]:
     for follower in queue.failed(report.task):
         reason = f"not run because of {report.task.label!r} ({report.task.stage}): {report.reason}"
         yield Report(follower, False, reason, "blocked")
-
-
-def _lost(task: Task, result: Any) -> Report:
-    """A report for a task whose worker never answered."""
-    error = result[1] if isinstance(result, tuple) and len(result) == 3 else result
-    return Report(task, False, f"{type(error).__name__}: {error}".splitlines()[0], "crash")
 
 
 def by_stage(tasks: Collection[Task]) -> Mapping[str, int]:

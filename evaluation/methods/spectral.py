@@ -1,16 +1,15 @@
 """Matching by diffusion: one matcher, three operators. A comparison of these compares operators."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from datasets_gen.records import InputError
 from evaluation.methods.base import Cloud, Method
 from evaluation.settings import reject_unknown
 from medial import MatchConfig, Matching, match
+from medial.operators import OPERATORS
 
 CONFIGS = {"default": MatchConfig, "paper": MatchConfig.paper}
-OPERATORS = ("medial", "heat", "robust")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,8 +36,8 @@ class Spectral(Method):
 
     def match_config(self) -> MatchConfig:
         """The settings of the matcher."""
-        if self.config not in CONFIGS:
-            raise InputError(f"config must be one of {', '.join(CONFIGS)}, got {self.config!r}")
+        reject_unknown([self.config], CONFIGS, "method", "config")
+        reject_unknown(self.settings, [f.name for f in fields(MatchConfig)], "method settings")
         return MatchConfig.from_dict({**asdict(CONFIGS[self.config]()), **self.settings})
 
     def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:

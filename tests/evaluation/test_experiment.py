@@ -3,8 +3,10 @@ import tomllib
 import pytest
 
 from datasets_gen import InputError
+from evaluation import preview
 from evaluation.experiment import Condition, Experiment, presets
 from evaluation.toml import dumps
+from scanner_sim import ScannerConfig
 
 SMALL = {
     "name": "small",
@@ -58,6 +60,16 @@ def test_presets_are_valid_and_survive_writing(name):
     assert Experiment.from_table(tomllib.loads(dumps(experiment.as_dict()))) == experiment
 
 
+@pytest.mark.parametrize("name", presets())
+def test_presets_name_methods_and_scanners_that_exist(name, tmp_path):
+    experiment = Experiment.load(name)
+    conditions = [c for _, c in experiment.stability_conditions()]
+    conditions += [c for regime in experiment.regimes() for c in (regime.source, regime.target)]
+    for condition in {repr(c): c for c in conditions}.values():
+        ScannerConfig.from_dict({**condition.scanner, "views": condition.views})
+    preview(experiment, tmp_path / "none")  # makes every method with its options
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -84,6 +96,25 @@ def test_presets_are_valid_and_survive_writing(name):
 def test_what_cannot_be_used_is_named(changes, message):
     with pytest.raises(InputError, match=message) as error:
         changed(**changes)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"scan": {"scanner": {"nois": 0.1}}}, "unknown key 'nois'; did you mean 'noise'"),
+        ({"matching": {"sweep": {"scanner.stripe": [3]}}}, "unknown key 'stripe'; did you mean 'stripes'"),
+        ({"scan": {"views": 0}}, "views"),
+        ({"operators": {"medial": {"etta": 0.5}}}, "unknown key 'etta'; did you mean 'eta'"),
+        ({"operators": {"medial": {"eta": 2}}}, "eta"),
+        ({"method": [{"name": "medial", "settings": {"landmark": 3}}]}, "did you mean 'landmarks'"),
+        ({"method": [{"name": "medial", "config": "papr"}]}, "unknown config 'papr'; did you mean 'paper'"),
+        ({"method": [{"name": "cpd", "bta": 1}]}, "unknown key 'bta'; did you mean 'beta'"),
+    ],
+)
+def test_what_is_passed_on_is_checked_before_anything_runs(changes, message, tmp_path):
+    with pytest.raises(InputError, match=message) as error:
+        preview(changed(**changes), tmp_path / "none")
     assert "\n" not in str(error.value)
 
 
