@@ -163,7 +163,7 @@ class Pair:
     def _quick(self, coordinates: NDArray[np.float32]) -> Registration:
         """Deformations with few nodes, of the samples alone."""
         nodes = max(2, min(self.config.nodes, len(self.source) // 4))
-        graph, attachment = NodeGraph.over(coordinates, self.source.points, nodes)
+        graph, attachment = NodeGraph.over(coordinates, self.source.points, self.here.samples, nodes)
         rows = self.here.samples
         return Registration(
             graph,
@@ -194,7 +194,11 @@ class Pair:
         """
         final = self.config.refine == "deform"
         fine = FineDeformation(
-            self.source, self.target, coordinates, self.config.fine_nodes if final else self.config.nodes
+            self.source,
+            self.target,
+            coordinates,
+            self.here.samples,
+            self.config.fine_nodes if final else self.config.nodes,
         )
         finalists = [fit for fit in pool if fit.score > pool[0].score - FINALIST]
         finalists = finalists[: self.config.finalists if final else 1]

@@ -33,6 +33,8 @@ INFLUENCES = 6
 """Nodes that move a point."""
 SHARED = 0.02
 """Nodes are neighbours when they share this part of a node's points."""
+BEND = 0.03
+"""Disagreement of neighbours beyond which it costs linearly, in sqrt(area)."""
 BRIDGE = 0.05
 """Weight of the edges that join nodes which share no points, relative to the mean mass of a node."""
 
@@ -87,17 +89,22 @@ class NodeGraph:
     reach: float
 
     @classmethod
-    def over(cls, coordinates: Float32, points: Float, count: int) -> tuple["NodeGraph", Attachment]:
+    def over(
+        cls, coordinates: Float32, points: Float, eligible: Int, count: int
+    ) -> tuple["NodeGraph", Attachment]:
         """Nodes far apart in the diffusion map, and how the points hang on them.
 
         Parameters
         ----------
         coordinates : (n, d)
         points : (n, 3)
+        eligible : (e,) int64
+            Points that may become nodes: representative ones, as the farthest of all points are outliers.
         count
-            Number of nodes; at most n.
+            Number of nodes; at most e.
         """
-        ids = farthest_points(coordinates, count, int(((coordinates) ** 2).sum(axis=1).argmax()))
+        remote = int((coordinates[eligible] ** 2).sum(axis=1).argmax())
+        ids = eligible[farthest_points(coordinates[eligible], count, remote)]
         anchors = coordinates[ids]
         attachment = attach(coordinates, anchors)
         share = _shares(attachment, len(ids))  # (n, N)
@@ -128,7 +135,7 @@ class NodeGraph:
         turn, place = pose.rotations, pose.positions
         return float(
             kernels.add_edges(
-                system, right, self.edges, self.hold, self.rest, turn, place, self.reach, weight
+                system, right, self.edges, self.hold, self.rest, turn, place, self.reach, weight, BEND
             )
         )
 

@@ -117,43 +117,59 @@ def add_edges(
     place: Float,
     reach: float,
     weight: float,
+    bend: float,
 ) -> float:
-    """Add the disagreement of neighbours and return it (without `weight`)."""
-    both, gap = np.zeros((3, 12)), np.zeros(3)
+    """Add the disagreement of neighbours, robustly, and return it (without `weight`).
+
+    An edge with disagreement e counts 2 b^2 (sqrt(1 + (e / b)^2) - 1) for b = `bend`: like e^2 when small,
+    linear when large, so that a knee may bend sharply instead of spreading its bend over the leg.
+    """
+    both, gaps = np.zeros((2, 3, 12)), np.zeros((2, 3))
     arm_i, arm_j, axis = np.zeros(3), np.zeros(3), np.zeros(3)
     energy = 0.0
     for e in range(len(edges)):
         i, j = edges[e, 0], edges[e, 1]
-        s = weight * hold[e]
+        square = 0.0
         for end in range(2):
             x = rest[i] if end == 0 else rest[j]
             _arm(arm_i, turn[i], x, rest[i])
             _arm(arm_j, turn[j], x, rest[j])
-            _lever(both[:, :6], 1.0, arm_i)
-            _lever(both[:, 6:], -1.0, arm_j)
+            _lever(both[end, :, :6], 1.0, arm_i)
+            _lever(both[end, :, 6:], -1.0, arm_j)
             for r in range(3):
-                gap[r] = arm_i[r] + place[i, r] - arm_j[r] - place[j, r]
-                energy += hold[e] * gap[r] ** 2
-            for p in range(12):
-                row = 6 * (i if p < 6 else j) + p % 6
-                for r in range(3):
-                    right[row] += s * both[r, p] * gap[r]
-                for q in range(12):
-                    col = 6 * (i if q < 6 else j) + q % 6
-                    if row >= col:
-                        for r in range(3):
-                            system[row, col] += s * both[r, p] * both[r, q]
+                gaps[end, r] = arm_i[r] + place[i, r] - arm_j[r] - place[j, r]
+                square += gaps[end, r] ** 2
         _relative_turn(axis, turn[i], turn[j])
         for r in range(3):
-            bend = reach * reach * axis[r]
-            energy += hold[e] * bend * axis[r]
-            right[6 * i + r] += s * bend
-            right[6 * j + r] -= s * bend
-            system[6 * i + r, 6 * i + r] += s * reach * reach
-            system[6 * j + r, 6 * j + r] += s * reach * reach
-            low, high = min(i, j), max(i, j)
-            system[6 * high + r, 6 * low + r] -= s * reach * reach
+            square += (reach * axis[r]) ** 2
+        root = np.sqrt(1 + square / bend**2)
+        energy += hold[e] * 2 * bend**2 * (root - 1)
+        s = weight * hold[e] / root
+        for end in range(2):
+            _add_gap(system, right, both[end], gaps[end], i, j, s)
+        low, high = min(i, j), max(i, j)
+        for r in range(3):
+            lean = s * reach * reach
+            right[6 * i + r] += lean * axis[r]
+            right[6 * j + r] -= lean * axis[r]
+            system[6 * i + r, 6 * i + r] += lean
+            system[6 * j + r, 6 * j + r] += lean
+            system[6 * high + r, 6 * low + r] -= lean
     return energy
+
+
+@compiled(fastmath={"contract"})
+def _add_gap(system: Float, right: Float, both: Float, gap: Float, i: int, j: int, s: float) -> None:
+    """Add s |gap|^2, where `both` (3, 12) is the derivative of the gap by the motions of i and j."""
+    for p in range(12):
+        row = 6 * (i if p < 6 else j) + p % 6
+        for r in range(3):
+            right[row] += s * both[r, p] * gap[r]
+        for q in range(12):
+            col = 6 * (i if q < 6 else j) + q % 6
+            if row >= col:
+                for r in range(3):
+                    system[row, col] += s * both[r, p] * both[r, q]
 
 
 @compiled()

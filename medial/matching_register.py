@@ -30,7 +30,9 @@ SEEN_WITHIN = 0.03
 STRAIN_COST = 50.0
 """Cost of the mean square strain (in areas) in the score of a fit."""
 SMALLEST_SCALE = 0.01
-"""Residuals below this, in sqrt(area), are never outliers."""
+"""Residuals below this, in sqrt(area), are never outliers of a node's motion."""
+BELIEVED = 0.1
+"""Error of a map, in sqrt(area), at which it loses much of its pull."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +45,8 @@ class Schedule:
     """Rounds of closest points."""
     stiffness: tuple[float, float] = (3.0, 0.01)
     """Weight of the agreement of neighbouring nodes, first and last round."""
+    reach: tuple[float, float] = (0.12, 0.03)
+    """Distance to a closest point at which it loses much of its pull, first and last round."""
 
 
 @dataclass(frozen=True)
@@ -136,8 +140,7 @@ class Registration:
         pose, even = Pose(rotations, positions), 1 / len(self.points)
         for _ in range(schedule.follow):
             offset = self._moved(pose)[0] - goal
-            residual = np.linalg.norm(offset, axis=1)
-            weight = even * _robust(residual, max(float(np.median(residual)), 2 * SMALLEST_SCALE))
+            weight = even * _robust(np.linalg.norm(offset, axis=1), BELIEVED)
             equations = NormalEquations(self.graph, pose)
             equations.pull(self.points, self.attachment, offset, goal_normals, weight, 0 * weight)
             equations.stiffen(0.2 * schedule.stiffness[0])
@@ -146,24 +149,22 @@ class Registration:
 
     def settle(self, pose: Pose, schedule: Schedule) -> Fit:
         """Let the surfaces settle on each other: closest points in position and normal, both ways."""
-        first, last = schedule.stiffness
         for k in range(schedule.rounds):
+            done = k / max(schedule.rounds - 1, 1)
+            stiffness, reach = (a * (b / a) ** done for a, b in (schedule.stiffness, schedule.reach))
             here, normals = self._moved(pose)
             equations = NormalEquations(self.graph, pose)
             near = self._tree.query(_features(here, normals))[1]
             goal, goal_normals = self.target_points[near], self.target_normals[near]
-            self._pull(
-                equations,
-                np.arange(len(here)),
-                here - goal,
-                goal_normals,
-                _cosine(normals, goal_normals),
-                1.0,
-            )
+            weight = _cosine(normals, goal_normals) ** 2
+            weight *= _robust(np.linalg.norm(here - goal, axis=1), reach)
+            self._pull(equations, np.arange(len(here)), here - goal, goal_normals, weight)
             back = cKDTree(_features(here, normals)).query(self._back_features)[1]
-            agree = _cosine(normals[back], self._back_normals)
-            self._pull(equations, back, here[back] - self._back_points, self._back_normals, agree, BACKWARD)
-            equations.stiffen(first * (last / first) ** (k / max(schedule.rounds - 1, 1)))
+            offset = here[back] - self._back_points
+            weight = BACKWARD * _cosine(normals[back], self._back_normals) ** 2
+            weight *= _robust(np.linalg.norm(offset, axis=1), reach)
+            self._pull(equations, back, offset, self._back_normals, weight)
+            equations.stiffen(stiffness)
             pose = equations.step()
         return self.judge(pose)
 
@@ -186,12 +187,10 @@ class Registration:
         return moved(self.points, self.normals, self.attachment, self.graph, pose)
 
     def _pull(
-        self, equations: NormalEquations, rows: Int, offset: Float, normals: Float, agree: Float, share: float
+        self, equations: NormalEquations, rows: Int, offset: Float, normals: Float, weight: Float
     ) -> None:
-        """Pull some source points to goals, mostly along their normals; far and opposed ones count less."""
-        residual = np.linalg.norm(offset, axis=1)
-        weight = agree**2 * _robust(residual, 1.5 * max(float(np.median(residual)), SMALLEST_SCALE))
-        weight *= share / len(rows)
+        """Pull some source points to goals, mostly along the goals' normals."""
+        weight = weight / len(rows)
         equations.pull(self.points[rows], self.attachment.rows(rows), offset, normals, EVEN * weight, weight)
 
 

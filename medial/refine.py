@@ -58,14 +58,18 @@ class FineDeformation:
         Clouds in common units.
     coordinates : (n, d)
         `neighbourhoods` of the source.
+    eligible
+        Points that may become nodes.
     nodes
         Number of nodes.
     """
 
-    def __init__(self, source: Cloud, target: Cloud, coordinates: Float32, nodes: int) -> None:
+    def __init__(
+        self, source: Cloud, target: Cloud, coordinates: Float32, eligible: Int, nodes: int
+    ) -> None:
         self.source, self.target, self.coordinates = source, target, coordinates
         count = max(2, min(nodes, len(source) // 4))
-        self.graph, self.attachment = NodeGraph.over(coordinates, source.points, count)
+        self.graph, self.attachment = NodeGraph.over(coordinates, source.points, eligible, count)
         taken = farthest_order(source.points, MOST_POINTS) if len(source) > MOST_POINTS else slice(None)
         self._taken = np.arange(len(source))[taken]
         self._registration = self._over(self._taken, farthest_order(target.points, LOOK_BACK))
