@@ -60,7 +60,9 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 def save_record(
     path: str | os.PathLike[str], kind: str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]
 ) -> None:
-    """Write named arrays and JSON metadata as one compressed `.npz`, atomically.
+    """Write named arrays and JSON metadata as one `.npz`, atomically.
+
+    Not compressed: that saves 5 % of measured or computed floats and takes forty times as long.
 
     Parameters
     ----------
@@ -75,7 +77,7 @@ def save_record(
     """
     with atomic_path(path) as temporary, temporary.open("wb") as stream:
         fields: dict[str, Any] = {"kind": np.array(kind), "meta": np.array(json.dumps(meta)), **arrays}
-        np.savez_compressed(stream, **fields)
+        np.savez(stream, **fields)
 
 
 def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any], dict[str, Any]]:

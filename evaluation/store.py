@@ -164,7 +164,7 @@ class ResultsStore:
         return record if isinstance(record, dict) and record.get("bytes") == size else None
 
     def write_record(
-        self, task: Task, seconds: float, memory_mb: float | None, info: Mapping[str, Any]
+        self, task: Task, seconds: float, cpu_seconds: float, memory_mb: float | None, info: Mapping[str, Any]
     ) -> None:
         """Note a finished task; its file, if it has one, is in place already. Clears an earlier failure."""
         size = None if task.stage == "score" else self.path(task.stage, task.key).stat().st_size
@@ -175,6 +175,7 @@ class ResultsStore:
             "spec": task.spec,
             "inputs": task.inputs,
             "seconds": seconds,
+            "cpu_seconds": cpu_seconds,
             "peak_memory_mb": memory_mb,
             "bytes": size,
             "info": info,

@@ -57,12 +57,12 @@ def run_task(folder: str, task: Task, run: str, limit: float) -> Report:
     lost = attempt.lost()
     if lost:
         return _failed(store, task, *lost)
-    start = time.perf_counter()
+    start, used = time.perf_counter(), time.process_time()
     try:
         with attempt, single_thread(), peak_memory() as memory:
             info = _compute(store, task)
-        seconds = time.perf_counter() - start
-        store.write_record(task, seconds, memory.megabytes, info)
+        seconds, used = time.perf_counter() - start, time.process_time() - used
+        store.write_record(task, seconds, used, memory.megabytes, info)
     except InputError as error:
         return _failed(store, task, "error", str(error), start=start)
     except Exception as error:
