@@ -77,7 +77,7 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         if scheduler is None:
             local = LocalCluster(
-                n_workers=jobs or len(os.sched_getaffinity(0)),
+                n_workers=jobs or _processors(),
                 threads_per_worker=1,
                 processes=True,
                 dashboard_address=":0",
@@ -118,6 +118,11 @@ def _check(client: "Client", folder: Path) -> None:
         raise InputError(
             f"worker {blind[0]} does not see {str(folder)!r}; use a folder on a shared file system"
         )
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _dashboard(client: "Client") -> str:
