@@ -152,8 +152,6 @@ class _Sweep:
         self._cluster: Cluster | None = None
 
     def run(self) -> ResultsStore:
-        with atomic_path(self.store.folder / "experiment.toml") as temporary:
-            temporary.write_text(dumps(self.experiment.as_dict()), encoding="utf-8")
         shapes = shape_tasks(self.experiment)
         plan = Plan({task.key: task for task in shapes.values()})
         with self._stack:
@@ -166,9 +164,13 @@ class _Sweep:
                         known[name] = record["info"]
                 plan = make_plan(self.experiment, shapes, known)
                 self._complete(plan)
+            except BaseException:
+                if self._cluster is not None:  # interrupted: what there is makes a table too
+                    self._finish(plan, shapes)
+                raise
             finally:
                 self.progress.end()
-                self._finish(plan, shapes)
+            self._finish(plan, shapes)
         return self.store
 
     def _complete(self, plan: Plan) -> None:
@@ -201,7 +203,12 @@ class _Sweep:
     def _connected(self) -> Cluster:
         if self._cluster is None:
             self._cluster = self._stack.enter_context(connect(self.store.folder, self.jobs, self.scheduler))
+            self._write_experiment()
         return self._cluster
+
+    def _write_experiment(self) -> None:
+        with atomic_path(self.store.folder / "experiment.toml") as temporary:
+            temporary.write_text(dumps(self.experiment.as_dict()), encoding="utf-8")
 
     def _finish(self, plan: Plan, shapes: Mapping[str, Task]) -> None:
         """Merge the table unless it is merged already, and note what made it."""
@@ -212,6 +219,7 @@ class _Sweep:
         unchanged = self.ran == 0 and before.get("rows_digest") == state and not self.failures
         if unchanged and (self.store.folder / "table.parquet").is_file() and not before.get("failures"):
             return
+        self._write_experiment()
         table = merge(self.store, plan, self.failures)
         info = {
             "format": FORMAT,

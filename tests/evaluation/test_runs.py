@@ -159,6 +159,7 @@ def test_a_folder_that_cannot_be_written(small, tmp_path):
 def test_a_scheduler_that_is_not_there(small, tmp_path):
     with pytest.raises(InputError, match="no Dask scheduler answers"):
         run(small(), tmp_path / "results", scheduler="tcp://127.0.0.1:1")
+    assert [path.name for path in (tmp_path / "results").iterdir()] == [".lock"]
 
 
 def test_unknown_poses_and_methods_are_named(small, tmp_path, blobs):
