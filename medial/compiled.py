@@ -6,11 +6,14 @@ workers, and compiles several times faster than automatic parallelisation.
 """
 
 import os
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
 
 T = TypeVar("T")
 
@@ -32,6 +35,15 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any
     return decorate
 
 
+@compiled()
+def grown(array: Any) -> Any:
+    """A copy of a one-dimensional array with room for twice as many values."""
+    larger = np.empty(2 * len(array), array.dtype)
+    for k in range(len(array)):
+        larger[k] = array[k]
+    return larger
+
+
 def thread_count() -> int:
     """Threads a kernel may use: the least of our processors, NUMBA_NUM_THREADS and OMP_NUM_THREADS.
 
@@ -43,12 +55,27 @@ def thread_count() -> int:
 
 
 def run_tasks(function: Callable[..., T], arguments: Sequence[tuple[Any, ...]]) -> list[T]:
-    """Call ``function(*a)`` for every ``a``, on `thread_count` threads; results in the order given."""
+    """Call ``function(*a)`` for every ``a``, on `thread_count` threads; results in the order given.
+
+    Called from within a task, it does the work in that task's thread.
+    """
     threads = min(thread_count(), len(arguments))
-    if threads <= 1:
+    if threads <= 1 or getattr(_worker, "busy", False):
         return [function(*each) for each in arguments]
-    with ThreadPoolExecutor(threads) as pool:
-        return list(pool.map(lambda each: function(*each), arguments))
+    return list(_pool(os.getpid(), thread_count()).map(lambda each: function(*each), arguments))
+
+
+_worker = threading.local()
+
+
+@lru_cache(maxsize=4)
+def _pool(process: int, threads: int) -> ThreadPoolExecutor:
+    """Threads of this process, started when first needed: a forked child must not wait for its parent's."""
+    return ThreadPoolExecutor(threads, f"medial-{process}", initializer=_enter)
+
+
+def _enter() -> None:
+    _worker.busy = True
 
 
 def ranges(n: int, size: int) -> list[tuple[int, int]]:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from medial.compiled import compiled, run_tasks
+from medial.compiled import compiled, grown, run_tasks
 from medial.similarity_tree import Cloud
 
 FINE = 4  # fine cells along a coarse one
@@ -96,29 +96,35 @@ def critical_grid(cloud: Cloud, most: float, tangency: float, cap: float) -> Gri
     roots = -(-coarse // ROOT)
     limits = _Limits(low - before * wide, size, roots, inner, most, tangency, cap)
     parts = run_tasks(_refine_root, [(cloud, limits, root) for root in range(int(roots.prod()))])
-    cells = np.concatenate([np.zeros((1, 4)), *(part[0] for part in parts)])
-    places = np.concatenate([np.zeros((1, 4), np.int64), *(part[1] for part in parts)])
+    cells = np.concatenate([np.zeros(4), *(part[0] for part in parts)]).reshape(-1, 4)
+    places = np.concatenate([np.zeros(4, np.int64), *(part[1] for part in parts)]).reshape(-1, 4)
     return Grid(limits.origin, size, coarse, inner, _tables(places, coarse, inner), cells)
 
 
 @compiled()
 def _tables(places: Any, coarse: Any, inner: Any) -> Any:
     """Both tables, from the level and place of every live cell."""
-    nx, ny, nz = (inner[1] - inner[0]) * FINE
-    table = np.zeros(1 + nx * ny * nz + coarse.prod(), np.int32)
-    fine = table[1 : 1 + nx * ny * nz].reshape((nx, ny, nz))
-    outer = table[1 + nx * ny * nz :].reshape((coarse[0], coarse[1], coarse[2]))
+    fine = (inner[1] - inner[0]) * FINE
+    first = 1 + fine[0] * fine[1] * fine[2]
+    table = np.zeros(first + coarse[0] * coarse[1] * coarse[2], np.int32)
     for cell in range(1, len(places)):
         span = 2 ** (LEVELS - places[cell, 0])
-        low = places[cell, 1:] * span - inner[0] * FINE
-        high = np.maximum(low + span, 0)
-        low = np.maximum(low, 0)
-        fine[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = cell
+        x, y, z = places[cell, 1] * span, places[cell, 2] * span, places[cell, 3] * span
+        x0, y0, z0 = inner[0, 0] * FINE, inner[0, 1] * FINE, inner[0, 2] * FINE
+        _fill_box(table, 1, fine, x - x0, y - y0, z - z0, span, cell)
         if span >= FINE:
-            span //= FINE
-            low = places[cell, 1:] * span
-            outer[low[0] : low[0] + span, low[1] : low[1] + span, low[2] : low[2] + span] = cell
+            _fill_box(table, first, coarse, x // FINE, y // FINE, z // FINE, span // FINE, cell)
     return table
+
+
+@compiled()
+def _fill_box(table: Any, first: int, counts: Any, x: int, y: int, z: int, span: int, cell: int) -> None:
+    """Write `cell` into the part of a cube of entries that lies inside a table starting at `first`."""
+    for i in range(max(x, 0), min(x + span, counts[0])):
+        for j in range(max(y, 0), min(y + span, counts[1])):
+            row = first + (i * counts[1] + j) * counts[2]
+            for k in range(max(z, 0), min(z + span, counts[2])):
+                table[row + k] = cell
 
 
 @compiled()
@@ -126,10 +132,13 @@ def _refine_root(cloud: Any, limits: Any, root: int) -> Any:
     """The live cells of one root: critical radius and centre, level and place of each."""
     total = len(cloud.spheres)
     lists, lengths = np.empty((LEVELS + 1, total), np.int32), np.zeros(LEVELS + 1, np.int64)
-    lists[0], lengths[0] = np.arange(total), total  # leaves in reach, by level: a cell looks at its parent's
+    for leaf in range(total):  # leaves in reach, by level: a cell looks at its parent's
+        lists[0, leaf] = leaf
+    lengths[0] = total
+    place, center = np.empty(4, np.int64), np.empty(3)
     scratch = np.empty((3, total), np.float32)
     stack, bounds = np.empty((8 * LEVELS, 4), np.int64), np.empty(8 * LEVELS)
-    cells, places = np.empty((64, 4)), np.empty((64, 4), np.int64)
+    cells, places = np.empty(256), np.empty(256, np.int64)  # four values each
     roots = limits.roots
     stack[0, 0], stack[0, 1] = 1, root // (roots[1] * roots[2])
     stack[0, 2], stack[0, 3] = root // roots[2] % roots[1], root % roots[2]
@@ -137,10 +146,13 @@ def _refine_root(cloud: Any, limits: Any, root: int) -> Any:
     depth, found = 1, 0
     while depth > 0:
         depth -= 1
-        place, level = stack[depth].copy(), stack[depth, 0]
+        level = stack[depth, 0]
         width = limits.size * 2 ** (LEVELS - level)
-        center = limits.origin + (place[1:] + 0.5) * width
         half = 0.8661 * width
+        for k in range(4):
+            place[k] = stack[depth, k]
+        for axis in range(3):
+            center[axis] = limits.origin[axis] + (place[1 + axis] + 0.5) * width
         rho = _critical_radius(
             cloud, center, half, bounds[depth], limits.most, lists, lengths, level, scratch
         )
@@ -148,10 +160,16 @@ def _refine_root(cloud: Any, limits: Any, root: int) -> Any:
             continue
         if half < FINENESS * rho or _finest(place, limits.inner):
             if found == len(cells):
-                cells, places = np.concatenate((cells, cells)), np.concatenate((places, places))
-            cells[found, 0], cells[found, 1:] = rho, center
-            places[found] = place
-            found += 1
+                cells, places = grown(cells), grown(places)
+            cells[found], cells[found + 1], cells[found + 2], cells[found + 3] = (
+                rho,
+                center[0],
+                center[1],
+                center[2],
+            )
+            for k in range(4):
+                places[found + k] = place[k]
+            found += 4
             continue
         for child in range(8):
             stack[depth, 0], stack[depth, 1] = level + 1, 2 * place[1] + (child & 1)

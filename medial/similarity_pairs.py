@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from medial.compiled import compiled, ranges, run_tasks
+from medial.compiled import compiled, grown, ranges, run_tasks
 from medial.similarity_grid import FINE, Grid
 from medial.similarity_tree import LEAF, Cloud
 
@@ -163,9 +163,7 @@ def _cull(screen: Any, spheres: Any, table: Any, cap: float, start: int, stop: i
                 if begin >= end:
                     continue
                 if found + end - begin > room:
-                    rows = np.concatenate((rows, np.empty(room, np.int32)))
-                    cols = np.concatenate((cols, np.empty(room, np.int32)))
-                    cells = np.concatenate((cells, np.empty(room, np.int32)))
+                    rows, cols, cells = grown(rows), grown(cols), grown(cells)
                     room *= 2
                 _test(
                     screen, i, screen.x[begin:end], screen.y[begin:end], screen.z[begin:end],

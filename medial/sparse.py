@@ -30,7 +30,9 @@ def _fill(i: Any, j: Any, values: Any, n: int) -> Any:
         indptr[j[k] + 1] += 1
     for row in range(n):
         indptr[row + 1] += indptr[row]
-    place = indptr[:-1].copy()
+    place = np.empty(n, i.dtype)
+    for row in range(n):
+        place[row] = indptr[row]
     loose, held = np.empty(indptr[n], i.dtype), np.empty(indptr[n])
     for k in range(len(i)):
         a, b = i[k], j[k]
@@ -38,7 +40,8 @@ def _fill(i: Any, j: Any, values: Any, n: int) -> Any:
         loose[place[b]], held[place[b]] = a, values[k]
         place[a] += 1
         place[b] += 1
-    place[:] = indptr[:-1]
+    for row in range(n):
+        place[row] = indptr[row]
     indices, data = np.empty_like(loose), np.empty_like(held)
     for row in range(n):
         for entry in range(indptr[row], indptr[row + 1]):

@@ -15,7 +15,7 @@ from medial.sparse import symmetric
 def plain_similarity(points, normals, weights, sigma_e=5.0, sigma_t=0.7, cutoff=1e-6) -> csr_array:
     n = len(points)
     order = np.random.default_rng(0).permutation(n)
-    cloud = (*columns(points[order], np.float32), *columns(normals[order], np.float32), weights[order])
+    cloud = (*columns(points[order]), *columns(normals[order]), weights[order])
     settings = (sigma_e, sigma_t, -np.log(cutoff), smallest_width(points))
     parts = run_tasks(_rows, [(*cloud, *settings, *span) for span in ranges(n, 64)])
     i, j, values = (np.concatenate([part[k] for part in parts]) for k in range(3))

@@ -1,3 +1,4 @@
+import os
 import threading
 
 import numba
@@ -42,6 +43,21 @@ def test_tasks_keep_their_order(monkeypatch, threads):
 
     assert run_tasks(work, [(k, 1) for k in range(50)]) == [10 * k + 1 for k in range(50)]
     assert threading.get_ident() in used if threads == 1 else threading.get_ident() not in used
+
+
+def test_tasks_within_tasks_do_not_wait_for_each_other(monkeypatch):
+    monkeypatch.setattr("medial.compiled.thread_count", lambda: 2)
+    nested = run_tasks(lambda k: run_tasks(lambda j: (k, j), [(0,), (1,), (2,)]), [(k,) for k in range(6)])
+    assert nested == [[(k, 0), (k, 1), (k, 2)] for k in range(6)]
+
+
+def test_a_forked_child_has_threads_of_its_own(monkeypatch):
+    monkeypatch.setattr("medial.compiled.thread_count", lambda: 2)
+    run_tasks(abs, [(-1,), (-2,)])
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if run_tasks(abs, [(-1,), (-2,)]) == [1, 2] else 1)
+    assert os.waitpid(child, 0)[1] == 0
 
 
 def test_an_error_in_a_task_is_raised():
