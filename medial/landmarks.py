@@ -242,9 +242,13 @@ def _sum_of_nearest(agreement: Float32, product: Float32, square_x: Float32, squ
 
 
 def extend(
-    source: Side, target: Side, landmarks: NDArray[np.int64], rows: NDArray[np.integer] | slice
+    source: Side,
+    target: Side,
+    landmarks: NDArray[np.int64],
+    rows: NDArray[np.integer] | slice,
+    among: NDArray[np.integer] | None = None,
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Target of some source points by Eq. 17, over all points of the target.
+    """Target of some source points by Eq. 17, over all points of the target unless told otherwise.
 
     Parameters
     ----------
@@ -253,6 +257,8 @@ def extend(
         Point ids.
     rows
         Source points to map.
+    among
+        Target points to choose from; None is all of them.
 
     Returns
     -------
@@ -261,7 +267,9 @@ def extend(
     residual : (rows,) float64
         The sum of norms that the target point minimises.
     """
+    columns = slice(None) if among is None else among
     with single_blas_thread():
         here = [source.heat(int(p), rows) for p in landmarks[:, 0]] + [source.signatures(rows)]
-        there = [target.heat(int(q), slice(None)) for q in landmarks[:, 1]] + [target.signatures(slice(None))]
-    return nearest_sum_of_norms(here, there)
+        there = [target.heat(int(q), columns) for q in landmarks[:, 1]] + [target.signatures(columns)]
+    index, residual = nearest_sum_of_norms(here, there)
+    return (index if among is None else among[index]).astype(np.int64), residual

@@ -32,6 +32,10 @@ from medial.refine import FineDeformation, neighbourhoods, spectral_refinement
 log = logging.getLogger(__name__)
 
 QUICK = Schedule()
+EARLY = 5
+"""Rounds of closest points before like fits are merged and the worst are dropped."""
+PROMISING = 20
+"""Distinct fits that are settled to the end."""
 FINALIST = 0.1
 """Fits that score less than the best by more than this are not deformed finely."""
 
@@ -100,7 +104,7 @@ def extrapolate(
             )
     with single_blas_thread():
         pair = Pair(source, target, config, seed)
-        candidates = [grown(pair.here, pair.there, pairs)]
+        candidates = [grown(pair.here, pair.there, pairs, config)]
         found = pair.by_cost(candidates) if config.selection == "cost" else pair.by_fit(candidates)
     return replace(found, landmarks=pairs)
 
@@ -143,15 +147,17 @@ class Pair:
         """The candidate, or the combination of candidates, onto which the source deforms best."""
         coordinates = neighbourhoods(self.diffusions[0])
         quick = self._quick(coordinates)
-        tried = run_tasks(lambda c: self._try(quick, c), [(c,) for c in candidates])
-        scores = np.array([fit.score for fit in tried])
+        begun = run_tasks(lambda c: self._try(quick, c), [(c,) for c in candidates])
+        scores = np.array([fit.score for fit in begun])
+        rest = [(fit.pose, QUICK, EARLY) for fit in distinct(begun, PROMISING)]
+        tried = run_tasks(quick.settle, rest)
         exchange = Exchange()
         if self.config.recombine:
             pool = recombine(quick, tried, exchange)
         else:
             pool = distinct(tried, exchange.donors)
         best, mapped, confidence = self._finish(quick, pool, coordinates)
-        gaps = [np.linalg.norm(fit.moved - best.moved, axis=1).mean() for fit in tried]
+        gaps = [np.linalg.norm(fit.moved - best.moved, axis=1).mean() for fit in begun]
         chosen = int(np.argmin(gaps))
         if self.config.refine != "deform" and not self.config.recombine:
             mapped = candidates[chosen].dense()
@@ -178,7 +184,7 @@ class Pair:
     def _try(self, quick: Registration, candidate: Candidate) -> Fit:
         goal = candidate.at_samples
         pose = quick.follow(self.target.points[goal], self.target.normals[goal], QUICK)
-        return quick.settle(pose, QUICK)
+        return quick.settle(pose, QUICK, 0, EARLY)
 
     def _finish(
         self, quick: Registration, pool: list[Fit], coordinates: NDArray[np.float32]

@@ -58,7 +58,7 @@ def diffusion_candidates(
                 sets = [search_landmarks(here, there, order, config, int(first)) for first in firsts]
         for partners in sets:
             landmarks = np.column_stack([here.samples[order], there.samples[partners]])
-            found.append(grown(here, there, landmarks))
+            found.append(grown(here, there, landmarks, config))
     return found
 
 
@@ -72,9 +72,10 @@ def first_landmarks(here: Side, time: float, config: MatchConfig, rng: np.random
     return farthest_points(embedding, count, remote)
 
 
-def grown(here: Side, there: Side, landmarks: Int) -> Candidate:
-    """The candidate that Eq. 17 makes of landmarks."""
-    at_samples, residual = extend(here, there, landmarks, here.samples)
+def grown(here: Side, there: Side, landmarks: Int, config: MatchConfig) -> Candidate:
+    """The candidate that Eq. 17 makes of landmarks; where the fit decides, samples map to samples."""
+    among = there.samples if config.selection == "fit" else None
+    at_samples, residual = extend(here, there, landmarks, here.samples, among)
     return Candidate(
         landmarks,
         float(residual.mean()),

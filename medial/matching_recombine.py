@@ -24,6 +24,8 @@ SAME_TRIAL = 0.02
 """Exchanges whose nodes are on average closer than this are one."""
 WORTH_A_TRY = 0.15
 """An unsettled exchange that sees less than its base by more than this is not settled."""
+BETTER = 0.002
+"""Gain in score that counts as better."""
 AGAIN = Schedule(follow=0, rounds=10, stiffness=(1.0, 0.01))
 
 
@@ -33,6 +35,8 @@ class Exchange:
 
     rounds: int = 6
     """Rounds of exchanges; it ends sooner when nothing new can be tried."""
+    patience: int = 2
+    """Rounds without a better fit after which it ends."""
     bases: int = 4
     """Best fits that receive parts."""
     donors: int = 14
@@ -71,13 +75,17 @@ def recombine(registration: Registration, fits: list[Fit], exchange: Exchange) -
     pool = distinct(fits, exchange.donors)
     tried: set[tuple[int, int]] = set()
     everything = list(pool)  # keeps the fits alive, so that identities stay unique
+    idle = 0
     for _ in range(exchange.rounds):
         trials = _trials(registration, pool, exchange, tried)
         if not trials:
             break
         again = run_tasks(lambda fit: registration.settle(fit.pose, AGAIN), [(fit,) for fit in trials])
         everything += again
-        pool = distinct(pool + again, exchange.donors)
+        before, pool = pool[0].score, distinct(pool + again, exchange.donors)
+        idle = 0 if pool[0].score > before + BETTER else idle + 1
+        if idle == exchange.patience:
+            break
     return pool
 
 

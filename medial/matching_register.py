@@ -147,9 +147,17 @@ class Registration:
             pose = equations.step()
         return pose
 
-    def settle(self, pose: Pose, schedule: Schedule) -> Fit:
-        """Let the surfaces settle on each other: closest points in position and normal, both ways."""
-        for k in range(schedule.rounds):
+    def settle(self, pose: Pose, schedule: Schedule, first: int = 0, last: int | None = None) -> Fit:
+        """Let the surfaces settle on each other: closest points in position and normal, both ways.
+
+        Parameters
+        ----------
+        pose
+        schedule
+        first, last
+            Rounds of the schedule to run; all by default.
+        """
+        for k in range(first, schedule.rounds if last is None else last):
             done = k / max(schedule.rounds - 1, 1)
             stiffness, reach = (a * (b / a) ** done for a, b in (schedule.stiffness, schedule.reach))
             here, normals = self._moved(pose)

@@ -64,9 +64,7 @@ class FineDeformation:
         Number of nodes.
     """
 
-    def __init__(
-        self, source: Cloud, target: Cloud, coordinates: Float32, eligible: Int, nodes: int
-    ) -> None:
+    def __init__(self, source: Cloud, target: Cloud, coordinates: Float32, eligible: Int, nodes: int) -> None:
         self.source, self.target, self.coordinates = source, target, coordinates
         count = max(2, min(nodes, len(source) // 4))
         self.graph, self.attachment = NodeGraph.over(coordinates, source.points, eligible, count)
