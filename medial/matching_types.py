@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 
 from datasets_gen.records import InputError, load_record, save_record
 
-STRATEGIES = ("deformation", "landmarks")
-
-
 _COUNTS = (
     "samples",
     "times",
@@ -35,9 +32,6 @@ _CHOICES = {
 class MatchConfig:
     """Settings of `medial.match`; the defaults are the best ones measured, `paper()` is Sec. 4 as written."""
 
-    strategy: str = "deformation"
-    """``"deformation"``: landmark sets by medial path length, judged and refined by deformation.
-    ``"landmarks"``: Eqs. 16 and 17."""
     samples: int = 500
     """Samples S_P and S_Q of spectral clustering; a cloud with fewer points is used whole."""
     times: int = 25

@@ -34,7 +34,7 @@ def intrinsic_symmetry(diffusion: Diffusion, config: MatchConfig | None = None, 
     ----------
     diffusion
     config, seed
-        As for `medial.match`. The strategy must look at the deformation, as the default does: Eq. 17 alone
+        As for `medial.match`. The selection must be by fit, as it is by default: Eq. 17 alone
         cannot tell a symmetry from the identity.
 
     Returns

@@ -3,14 +3,15 @@
 import json
 import os
 from dataclasses import asdict
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from datasets_gen.records import InputError, atomic_path
-from scanner_sim import variant
 from scanner_sim.camera import camera_rays
 from scanner_sim.config import ScannerConfig
 from scanner_sim.measure import triangulate
@@ -123,10 +124,13 @@ def write_range_images(scan: "Scan", folder: str | os.PathLike[str], suffix: str
     Raises
     ------
     InputError
-        If the suffix is unknown, the scan knows no views, or the folder cannot be written.
+        If the suffix is unknown or needs a package that is missing, the scan knows no views, or the folder
+        cannot be written.
     """
     if suffix not in (".png", ".exr"):
         raise InputError(f"range images are written as '.png' or '.exr', not {suffix!r}")
+    if suffix == ".exr" and find_spec("OpenEXR") is None:
+        raise InputError("'.exr' needs a package: pip install OpenEXR, or write '.png'")
     if len(scan.poses) == 0:
         raise InputError("this scan knows no viewpoints, so it has no range images")
     unit = scan.config.max_range / scan.scale / LEVELS
@@ -156,6 +160,12 @@ def write_range_images(scan: "Scan", folder: str | os.PathLike[str], suffix: str
 
 
 def _write_image(values: NDArray[Any], file: Path) -> None:
-    """Write one channel with Mitsuba's own writer."""
-    with variant.active() as mi, atomic_path(file) as temporary:
-        mi.Bitmap(values[..., None]).write(str(temporary))
+    """Write one channel; Mitsuba's own writer of EXR may wait for its threads for ever."""
+    with atomic_path(file) as temporary:
+        if file.suffix == ".png":
+            Image.fromarray(values).save(temporary, format="PNG")
+            return
+        import OpenEXR
+
+        header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+        OpenEXR.File(header, {"Y": values}).write(str(temporary))

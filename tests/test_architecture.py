@@ -1,6 +1,7 @@
 """Data flows one way: a package imports only itself and the packages to its left."""
 
 import ast
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -36,3 +37,14 @@ def test_medial_does_not_know_the_scanner():
         if "scanner_sim" in set(imported_packages(path))
     ]
     assert not offenders, "medial works on any oriented cloud"
+
+
+def test_wheel_contains_every_package():
+    """Packages are listed by hand, so a new folder is easily forgotten."""
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    found = [
+        ".".join(path.parent.relative_to(ROOT).parts)
+        for package in ORDER
+        for path in (ROOT / package).rglob("__init__.py")
+    ]
+    assert sorted(listed) == sorted(found)
