@@ -149,7 +149,7 @@ class Experiment:
 
 def presets() -> dict[str, str]:
     """Text of every packaged experiment, by name."""
-    found = [each for each in files("evaluation.presets").iterdir() if each.name.endswith(".toml")]
+    found = [each for each in files("evaluation.protocols").iterdir() if each.name.endswith(".toml")]
     return {
         each.name.removesuffix(".toml"): each.read_text(encoding="utf-8") for each in sorted(found, key=str)
     }

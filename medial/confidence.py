@@ -1,4 +1,4 @@
-"""How sure each match is: whether its surface met, and whether another map would have fitted as well."""
+"""How sure each match is: whether its surface met, nothing else did, and no other map fits as well."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,8 +39,8 @@ def confidence_of_fit(
     agree = [np.linalg.norm(fit.pose.positions - best.pose.positions, axis=1) < SAME_PLACE for fit in pool]
     shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (nodes,)
     hang = attach(fine.coordinates, quick.graph.coordinates)
-    alone = (shared[hang.nodes] * hang.weights).sum(axis=1)
-    return np.clip(alone * dense.found, 0, 1)
+    undisputed = (shared[hang.nodes] * hang.weights).sum(axis=1)
+    return np.clip(undisputed * dense.alone * dense.found, 0, 1)
 
 
 def confidence_of_residual(residual: Float) -> Float:

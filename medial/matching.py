@@ -36,8 +36,12 @@ EARLY = 5
 """Rounds of closest points before like fits are merged and the worst are dropped."""
 PROMISING = 20
 """Distinct fits that are settled to the end."""
+ADOPTED = (0.25, 8)
+"""Fits whose score is within this of the best are looked at with fine nodes, at most so many."""
 FINALIST = 0.1
-"""Fits that score less than the best by more than this are not deformed finely."""
+"""Of those, what scores less than the best by more than this is not settled finely."""
+FINE_STRAIN_COST = 1000.0
+"""Cost of the mean square strain of a pose carried over to fine nodes: what settling adds to it is noise."""
 
 
 def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
@@ -189,7 +193,7 @@ class Pair:
     def _finish(
         self, quick: Registration, pool: list[Fit], coordinates: NDArray[np.float32]
     ) -> tuple[Fit, NDArray[np.int64], NDArray[np.float64]]:
-        """Deform the best fits finely and take the one that fits best then.
+        """Look at good fits with fine nodes, settle the best of them and take the one that fits best then.
 
         Returns
         -------
@@ -206,14 +210,20 @@ class Pair:
             self.here.samples,
             self.config.fine_nodes if final else self.config.nodes,
         )
-        finalists = [fit for fit in pool if fit.score > pool[0].score - FINALIST]
-        finalists = finalists[: self.config.finalists if final else 1]
-        starts = [fine.adopt(quick.graph, fit.pose) for fit in finalists]
-        settled = run_tasks(fine.settle if final else fine.judge, [(pose,) for pose in starts])
-        chosen = int(np.argmax([fit.score for fit in settled]))
-        dense = fine.dense(settled[chosen])
-        confidence = confidence_of_fit(dense, finalists[chosen], pool, fine, quick)
-        return finalists[chosen], dense.source_to_target, confidence
+        margin, most = ADOPTED
+        near = [fit for fit in pool if fit.score > pool[0].score - margin][: most if final else 1]
+        adopted = run_tasks(lambda fit: fine.judge(fine.adopt(quick.graph, fit.pose)), [(f,) for f in near])
+        cost = FINE_STRAIN_COST * np.array([fit.strain for fit in adopted])
+        score = np.array([fit.seen for fit in adopted]) - cost
+        if final:
+            order = np.argsort(-score, kind="stable")[: self.config.finalists]
+            order = order[score[order] > score.max() - FINALIST]
+            settled = run_tasks(fine.settle, [(adopted[k].pose,) for k in order])
+            chosen = int(np.argmax([fit.seen for fit in settled] - cost[order]))
+            best, dense = near[order[chosen]], fine.dense(settled[chosen])
+        else:
+            best, dense = near[0], fine.dense(adopted[0])
+        return best, dense.source_to_target, confidence_of_fit(dense, best, pool, fine, quick)
 
     def _matching(
         self,

@@ -122,7 +122,8 @@ class Matching:
     landmarks : (L, 2) int64
         Source point ids of the landmarks it grew from, and their targets in the final map.
     cost : float
-        Mean residual of Eq. 17 over the samples, in units of the signature.
+        Mean residual of Eq. 17 over the samples, in units of the signature; NaN if path length found
+        the landmarks.
     confidence : (n_source,) float64
         In [0, 1].
     restarts : dict of arrays

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from medial.cloud import Cloud, farthest_order
+from medial.compiled import thread_count
 from medial.diffusion import Diffusion
 from medial.matching_deform import Attachment, NodeGraph, Pose, attach, moved
-from medial.matching_register import Fit, Registration, Schedule
+from medial.matching_register import Fit, Registration, Schedule, features
 from medial.nearest import nearest
 from medial.sampling import diffusion_map, smallest_time
 
@@ -23,6 +25,10 @@ MOST_POINTS = 8000
 LOOK_BACK = 3000
 """Target points that look for the source in the fine deformation."""
 FINE = Schedule(follow=0, rounds=12, stiffness=(1.0, 0.003))
+MEETING = 16
+"""Deformed points around a match that are asked where they come from."""
+SAME_NEIGHBOURHOOD = 0.15
+"""Points closer than this at rest, in sqrt(area), are no strangers."""
 SPECTRAL_MODES = (20, 30, 40, 55, 70, 90, 115, 150)
 """Sizes of the functional maps of spectral refinement."""
 
@@ -36,12 +42,13 @@ class Dense:
     source_to_target : (n,) int64
     found : (n,) float64
         How well the deformed point met its match, in [0, 1].
-    fit : Fit
+    alone : (n,) float64
+        Share of what came to lie at the match that was near the point before, in [0, 1].
     """
 
     source_to_target: Int
     found: Float
-    fit: Fit
+    alone: Float
 
 
 def neighbourhoods(diffusion: Diffusion) -> Float32:
@@ -102,7 +109,16 @@ class FineDeformation:
     def dense(self, fit: Fit) -> Dense:
         """The nearest target point, in position and normal, of every deformed source point."""
         final = self._everything.judge(fit.pose)
-        return Dense(final.partner, final.found, fit)
+        return Dense(final.partner, final.found, self._alone(final))
+
+    def _alone(self, final: Fit) -> Float:
+        """A part that has no counterpart collapses onto another one: then strangers meet at its matches."""
+        tree = cKDTree(features(*self._everything.moved(final.pose)))
+        goals = features(self.target.points[final.partner], self.target.normals[final.partner])
+        count = min(MEETING, len(goals))
+        others = tree.query(goals, k=count, workers=thread_count())[1].reshape(len(goals), count)
+        gap = np.linalg.norm(self.source.points[others] - self.source.points[:, None], axis=2)
+        return np.asarray((gap < SAME_NEIGHBOURHOOD).mean(axis=1))
 
 
 def spectral_refinement(

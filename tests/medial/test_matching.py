@@ -56,12 +56,8 @@ def test_files_round_trip(shape, tmp_path):
     saved.save(tmp_path / "map.npz")
     loaded = Matching.load(tmp_path / "map.npz")
     assert np.array_equal(saved.source_to_target, loaded.source_to_target)
-    assert (saved.config, saved.seed, saved.flip, saved.cost) == (
-        loaded.config,
-        loaded.seed,
-        loaded.flip,
-        loaded.cost,
-    )
+    assert (saved.config, saved.seed, saved.flip) == (loaded.config, loaded.seed, loaded.flip)
+    assert np.array_equal(saved.cost, loaded.cost, equal_nan=True)  # NaN: found by path length
     assert set(saved.restarts) == set(loaded.restarts)
     assert loaded.restarts["chosen"].dtype == bool
 

@@ -139,10 +139,11 @@ def _write_map(store, key, scan_key, operator, error):
     if operator == "medial":
         diffusion(scan, operator).save(store.path("operator", f"{key}-operator"))
         inputs["source_medial"] = f"{key}-operator"
-    store.write_record(Task(key, "map", {}, inputs, key), 2.0, None, {})
+    store.write_record(Task(key, "map", {}, inputs, key), 2.0, 1.9, None, {})
     curve = pck_curve(np.full(n, error / 100), CURVE)
     store.write_record(
         Task(key, "score", {}, {}, key),
+        0.1,
         0.1,
         None,
         json.loads(json.dumps({"row": {}, "curve": curve.tolist()})),
