@@ -1,4 +1,4 @@
-"""How sure each match is: whether its surface met, nothing else did, and no other map fits as well."""
+"""How sure each match is: its surface met, nothing else did, nothing tore, and no other map fits as well."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ def confidence_of_fit(
     shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (nodes,)
     hang = attach(fine.coordinates, quick.graph.coordinates)
     undisputed = (shared[hang.nodes] * hang.weights).sum(axis=1)
-    return np.clip(undisputed * dense.alone * dense.found, 0, 1)
+    return np.clip(undisputed * dense.held * dense.alone * dense.found, 0, 1)
 
 
 def confidence_of_residual(residual: Float) -> Float:

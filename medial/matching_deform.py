@@ -35,6 +35,12 @@ SHARED = 0.02
 """Nodes are neighbours when they share this part of a node's points."""
 BEND = 0.03
 """Disagreement of neighbours beyond which it costs linearly, in sqrt(area)."""
+ELASTIC = 1.25
+"""Edges may grow by this factor, around the outside of a joint for instance."""
+TORN = 0.25
+"""Further growth, relative to the edge, at which it is half torn."""
+SHORT = 0.04
+"""Edges shorter than this, in sqrt(area), count as this long."""
 BRIDGE = 0.05
 """Weight of the edges that join nodes which share no points, relative to the mean mass of a node."""
 
@@ -124,6 +130,25 @@ class NodeGraph:
         graph = coo_array((np.ones(len(inside)), (inside[:, 0], inside[:, 1])), shape=(len(self),) * 2)
         _, label = connected_components(graph, directed=False)
         return [np.flatnonzero(nodes & (label == k)) for k in np.unique(label[nodes])]
+
+    def held(self, pose: Pose) -> Float:
+        """Share of the body that each node still holds on to, (N,), relative to the best; 1 if nothing tore.
+
+        Limbs bend, but their joints do not stretch: what hangs on the rest by torn edges only is misplaced.
+        Two nodes hold on to each other as the weakest edge of the best path between them does.
+        """
+        i, j = self.edges.T
+        before = np.linalg.norm(self.rest[i] - self.rest[j], axis=1)
+        after = np.linalg.norm(pose.positions[i] - pose.positions[j], axis=1)
+        growth = np.maximum(after - ELASTIC * before, 0) / np.maximum(before, SHORT)
+        strength = 1 / (1 + (growth / TORN) ** 2)
+        best = np.zeros((len(self), len(self)))
+        best[i, j] = best[j, i] = strength
+        np.fill_diagonal(best, 1)
+        for k in range(len(self)):
+            np.maximum(best, np.minimum(best[:, k : k + 1], best[k]), out=best)
+        share = best.mean(axis=1)
+        return np.asarray(share / share.max())
 
     def strain(self, pose: Pose) -> float:
         """Weighted mean square disagreement of neighbours, in squared units of length."""

@@ -44,11 +44,14 @@ class Dense:
         How well the deformed point met its match, in [0, 1].
     alone : (n,) float64
         Share of what came to lie at the match that was near the point before, in [0, 1].
+    held : (n,) float64
+        How firmly the point's part of the body still holds on to the rest, in [0, 1].
     """
 
     source_to_target: Int
     found: Float
     alone: Float
+    held: Float
 
 
 def neighbourhoods(diffusion: Diffusion) -> Float32:
@@ -109,7 +112,8 @@ class FineDeformation:
     def dense(self, fit: Fit) -> Dense:
         """The nearest target point, in position and normal, of every deformed source point."""
         final = self._everything.judge(fit.pose)
-        return Dense(final.partner, final.found, self._alone(final))
+        held = (self.graph.held(fit.pose)[self.attachment.nodes] * self.attachment.weights).sum(axis=1)
+        return Dense(final.partner, final.found, self._alone(final), held)
 
     def _alone(self, final: Fit) -> Float:
         """A part that has no counterpart collapses onto another one: then strangers meet at its matches."""
