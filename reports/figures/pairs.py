@@ -121,7 +121,14 @@ def caption(axes: Axes, title: str, note: str) -> None:
     inches = axes.get_window_extent().width / axes.figure.dpi
     letters = max(int(inches / LETTER), 12)
     axes.set_title("\n".join(wrap(title, letters, max_lines=2, placeholder=" …")), pad=15)
+    note = _shortened(note, int(1.35 * letters))
     axes.text(0, 1.015, note, transform=axes.transAxes, fontsize=7.5, color=QUIET, va="bottom")
+
+
+def _shortened(text: str, letters: int) -> str:
+    """Without its middle, if it is too long: the ends of file names tell them apart."""
+    half = (letters - 1) // 2
+    return text if len(text) <= letters else f"{text[:half]}…{text[-half:]}"
 
 
 def _colorbar(figure: Figure, grid: np.ndarray) -> None:
