@@ -46,7 +46,8 @@ lint: $(DEV)
 	$(BIN)/mypy
 
 perf: $(DEV)
-	$(BIN)/python -m pytest tests/benchmarks --benchmark-only -s
+	$(BIN)/python -m pytest tests/benchmarks --benchmark-only -s \
+		--benchmark-time-unit=ms --benchmark-columns=min,median,max,rounds
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from datasets_gen.checks import edge_face_counts, signed_volume
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
-from scanner_sim import bruteforce, normals, registration, viewpoints
+from scanner_sim import bruteforce, normals, registration, variant, viewpoints
 from scanner_sim.config import ScannerConfig
 from scanner_sim.geometry import shading_normals, winding_number
 from scanner_sim.materials import Attributes
@@ -52,7 +52,8 @@ def scan(
     config = ScannerConfig() if config is None else config
     outward = facing_outward(shape)
     rig = Rig(outward, config, attributes)
-    views = [rig.view(number, seed) for number in range(len(rig.poses))]
+    with variant.active(rig.tracer.variant):  # once for all views: switching takes as long as a view
+        views = [rig.view(number, seed) for number in range(len(rig.poses))]
     found = _assemble(rig, seed, views)
     if outward is not shape:
         found = replace(found, barycentrics=np.ascontiguousarray(found.barycentrics[:, [0, 2, 1]]))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reports.render import frame, look_from, render_points
+from scanner_sim import variant
 
 POINTS, HEIGHT = 5000, 420
 
@@ -23,10 +24,9 @@ def test_discs(benchmark, cloud):
 
 
 def test_mitsuba_spheres(benchmark, cloud, tmp_path):
-    mi = pytest.importorskip("mitsuba")
-    mi.set_variant("scalar_rgb")
     points, _, colors = cloud
-    image = benchmark.pedantic(spheres, (mi, points, colors, tmp_path / "spheres.ply"), rounds=3)
+    with variant.active(variant.SCALAR) as mi:
+        image = benchmark.pedantic(spheres, (mi, points, colors, tmp_path / "spheres.ply"), rounds=3)
     assert image.shape[0] == HEIGHT
 
 

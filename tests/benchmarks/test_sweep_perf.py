@@ -1,6 +1,7 @@
 """What a sweep costs besides its tasks."""
 
 import os
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,13 @@ from evaluation.progress import Silent
 from evaluation.sweep import execute
 from evaluation.tasks import Report, Task
 from tests.evaluation.conftest import blobs, method_file, small  # noqa: F401  (fixtures)
+
+
+def say(benchmark, **figures):
+    """Note figures in the record and show them; `make perf` runs with -s."""
+    benchmark.extra_info.update(figures)
+    sys.stdout.write("\n" + benchmark.name + ": " + ", ".join(f"{k} {v}" for k, v in figures.items()) + "\n")
+
 
 MANY = int(os.environ.get("MEDIALBENCH_MANY", "20000"))
 """Trivial tasks of the memory test; 100000 takes some minutes."""
@@ -55,6 +63,7 @@ def test_overhead_per_task(benchmark, cluster):
     benchmark.pedantic(
         lambda: run_all(cluster, list(chain(500)), trivial, f"o{next(count)}"), rounds=3, warmup_rounds=1
     )
+    say(benchmark, milliseconds_per_task=round(1000 * benchmark.stats["median"] / 500, 1))
     assert benchmark.stats["median"] / 500 < 0.05
 
 
@@ -63,7 +72,8 @@ def test_both_workers_are_busy(benchmark, cluster):
     count = iter(range(10**6))
     tasks = list(chain(200))
     benchmark.pedantic(lambda: run_all(cluster, tasks, spin, f"b{next(count)}"), rounds=1)
-    benchmark.extra_info["busy"] = 200 * 0.1 / cluster.workers / benchmark.stats["median"]
+    busy = 200 * 0.1 / cluster.workers / benchmark.stats["median"]
+    say(benchmark, percent_of_the_time_busy=round(100 * busy, 1))
 
 
 @dataclass
@@ -90,7 +100,7 @@ def test_memory_does_not_grow_with_results(benchmark, cluster):
         lambda: execute(cluster, Path("."), tasks, (), run="m", limit=60, progress=memory, runner=trivial),
         rounds=1,
     )
-    benchmark.extra_info["megabytes"] = memory.seen
+    say(benchmark, tasks=MANY, megabytes=[round(m) for m in memory.seen[:: len(memory.seen) // 5]])
     grown = (memory.seen[-1] - memory.seen[4]) * 2**20 / (0.75 * MANY)
     assert grown < 1000  # bytes per task: keeping the reports would take more than that
 
