@@ -27,6 +27,12 @@ if TYPE_CHECKING:
     help="Use this instead of the experiment's data sets: built in, or a folder of poses; may be repeated.",
 )
 @click.option(
+    "--seeds",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Use the seeds 0 to N - 1 instead of the experiment's.",
+)
+@click.option(
     "-j", "--jobs", type=click.IntRange(min=1), help="Worker processes.  [default: number of processors]"
 )
 @click.option(
@@ -41,6 +47,7 @@ def run(
     experiment: str,
     out: Path | None,
     datasets: tuple[str, ...],
+    seeds: int | None,
     jobs: int | None,
     scheduler: str | None,
     force: bool,
@@ -55,7 +62,7 @@ def run(
     """
     from reports.commands.paths import check_output_folder
 
-    settings = load_experiment(experiment, datasets)
+    settings = load_experiment(experiment, datasets, seeds)
     folder = check_output_folder(out or Path("results") / settings.name)
     if dry_run:
         _preview(settings, folder)
@@ -64,13 +71,15 @@ def run(
     _finish(store, with_report, quiet, jobs)
 
 
-def load_experiment(name: str, datasets: tuple[str, ...]) -> "Experiment":
-    """An experiment by name or path, with other data sets if given, which follow its rule of poses."""
+def load_experiment(name: str, datasets: tuple[str, ...] = (), seeds: int | None = None) -> "Experiment":
+    """An experiment by name or path, with other data sets, which follow its rule of poses, and seeds."""
     from dataclasses import replace
 
     from evaluation.experiment import Dataset, Experiment
 
     experiment = Experiment.load(name)
+    if seeds is not None:
+        experiment = replace(experiment, seeds=tuple(range(seeds)))
     if not datasets:
         return experiment
     rule = experiment.dataset[0].poses

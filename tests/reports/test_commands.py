@@ -84,3 +84,12 @@ def test_results_of_another_format_are_refused(tmp_path):
     assert result.exit_code == 1
     assert "99" in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_data_sets_and_seeds_replace_those_of_a_preset():
+    from reports.commands.run import load_experiment
+
+    assert load_experiment("matching").seeds == (0, 1, 2)
+    changed = load_experiment("matching", ("human_asymmetric",), 2)
+    assert changed.seeds == (0, 1)
+    assert [(each.name, each.poses) for each in changed.dataset] == [("human_asymmetric", 4)]
