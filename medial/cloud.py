@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import fpsample
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
@@ -10,6 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from medial.diffusion import Diffusion
+from medial.sampling import farthest_points
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -70,11 +70,8 @@ def relative_scale(source: Diffusion, target: Diffusion) -> float:
 
 def farthest_order(points: Float, count: int) -> Int:
     """The first `count` points in farthest-point order, from the point farthest from the mean."""
-    start = int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())
-    count = min(count, len(points))
-    height = min(7, max(1, int(np.log2(len(points))) - 3))
-    order = fpsample.bucket_fps_kdline_sampling(points, count, h=height, start_idx=start)
-    return order.astype(np.int64)
+    centred = points - points.mean(axis=0)
+    return farthest_points(centred, count, int((centred**2).sum(axis=1).argmax()))
 
 
 def neighbour_pairs(tree: cKDTree, positions: Float, neighbours: int) -> Int:

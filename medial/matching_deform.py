@@ -111,10 +111,13 @@ class NodeGraph:
         """
         remote = int((coordinates[eligible] ** 2).sum(axis=1).argmax())
         ids = eligible[farthest_points(coordinates[eligible], count, remote)]
-        anchors = coordinates[ids]
-        attachment = attach(coordinates, anchors)
-        share = _shares(attachment, len(ids))  # (n, N)
-        mass = share.sum(axis=0)
+        anchors, used = coordinates[ids], np.zeros(1, dtype=bool)
+        while not used.all():  # of nodes at one place only some get points
+            attachment = attach(coordinates, anchors)
+            share = _shares(attachment, len(anchors))  # (n, N)
+            mass = share.sum(axis=0)
+            used = mass > 1e-9 * mass.max()
+            anchors = anchors[used]
         rest = (share.T @ points) / mass[:, None]
         spread = (share.T @ (points**2).sum(axis=1)) / mass - (rest**2).sum(axis=1)
         edges, hold = _edges(share, mass, anchors)

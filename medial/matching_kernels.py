@@ -181,6 +181,19 @@ def _relative_turn(axis: Float, a: Float, b: Float) -> None:
             trace += a[r, c] * b[r, c]
     angle = np.arccos(min(1.0, max(-1.0, 0.5 * (trace - 1))))
     sine = np.sin(angle)
+    if angle > 3.14159:  # half a turn: the axis spans the range of a b^T + 1, whose columns have its direction
+        longest = 0.0
+        for k in range(3):
+            column = np.zeros(3)
+            for r in range(3):
+                column[r] = 1.0 if r == k else 0.0
+                for c in range(3):
+                    column[r] += a[r, c] * b[k, c]
+            length = np.sqrt((column**2).sum())
+            if length > longest:
+                longest = length
+                axis[:] = column * (angle / length)
+        return
     factor = 0.5 * (angle / sine if sine > 1e-6 else 1.0)
     for r in range(3):
         p, q = (r + 1) % 3, (r + 2) % 3

@@ -20,6 +20,8 @@ Int = NDArray[np.int64]
 
 NEAR = 3.0
 """Diffusion time of the deformation's neighbourhoods, in smallest times 4 ln 10 / lambda_max."""
+TELLING = 1e-3
+"""Relative range of a diffusion map below which it tells no points apart."""
 MOST_POINTS = 8000
 """Source points that take part in the fine deformation."""
 LOOK_BACK = 3000
@@ -55,8 +57,14 @@ class Dense:
 
 
 def neighbourhoods(diffusion: Diffusion) -> Float32:
-    """Diffusion-map coordinates in which points of one medial region are close, (n, k)."""
-    return diffusion_map(diffusion, NEAR * smallest_time(diffusion)).astype(np.float32)
+    """Diffusion-map coordinates in which points of one medial region are close, (n, k).
+
+    All of a ball is one medial region: where diffusion tells nothing apart, nearness in space has to do.
+    """
+    coordinates = diffusion_map(diffusion, NEAR * smallest_time(diffusion))
+    if np.ptp(coordinates, axis=0).max() < TELLING * np.abs(coordinates).max():
+        coordinates = diffusion.points - diffusion.points.mean(axis=0)
+    return coordinates.astype(np.float32)
 
 
 class FineDeformation:

@@ -17,7 +17,7 @@ def farthest_points(points: NDArray[np.float64], n: int, start: int) -> NDArray[
     n
         Number of points to choose, 1..m.
     start
-        Index of the first.
+        Where the choice begins: fpsample counts points in the order of its tree.
 
     Returns
     -------

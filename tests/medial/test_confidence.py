@@ -1,0 +1,80 @@
+"""Belief in matches."""
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from medial.confidence import RIVAL_TEMPERATURE, confidence_of_fit, confidence_of_residual
+from medial.matching_deform import NodeGraph, Pose, attach
+from medial.refine import Dense
+from tests.medial.posed import rest_pose
+
+COORDINATES = np.random.default_rng(0).standard_normal((120, 3)).astype(np.float32)
+GRAPH, _ = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
+SURE = Dense(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
+
+
+@dataclass
+class Settled:
+    pose: Pose
+    score: float
+
+
+BEST = Settled(rest_pose(GRAPH), 1.5)
+
+
+def confidence(dense, *rivals):
+    stand_in = SimpleNamespace(coordinates=COORDINATES), SimpleNamespace(graph=GRAPH)
+    return confidence_of_fit(dense, BEST, [BEST, *rivals], *stand_in)
+
+
+def rival(loss, nodes=slice(None)):
+    pose = rest_pose(GRAPH)
+    pose.positions[nodes] += 1.0
+    return Settled(pose, BEST.score - loss)
+
+
+def test_what_nothing_speaks_against_is_sure():
+    assert np.allclose(confidence(SURE), 1)
+
+
+@pytest.mark.parametrize("name", ["found", "alone", "held"])
+def test_each_doubt_counts(name):
+    doubt = np.linspace(0, 1, 120)
+    assert np.allclose(confidence(replace(SURE, **{name: doubt})), doubt)
+
+
+def test_doubts_multiply():
+    dense = Dense(SURE.source_to_target, np.full(120, 0.5), np.full(120, 0.8), np.full(120, 0.9))
+    assert np.allclose(confidence(dense), 0.36)
+
+
+@pytest.mark.parametrize(
+    ("loss", "belief"), [(0.0, 1 / 2), (RIVAL_TEMPERATURE, 1 / (1 + np.exp(-1))), (10, 1)]
+)
+def test_a_rival_shares_the_belief_by_its_score(loss, belief):
+    assert np.allclose(confidence(SURE, rival(loss)), belief)
+
+
+def test_a_better_score_of_a_rival_does_not_outweigh_the_choice():
+    assert np.allclose(confidence(SURE, rival(-1.0)), 1 / 2)
+
+
+def test_a_rival_is_one_only_where_it_differs():
+    sure = confidence(SURE, rival(0.0, nodes=[0, 1]))
+    hang = attach(COORDINATES, GRAPH.coordinates)
+    share = np.where(hang.nodes <= 1, hang.weights, 0).sum(axis=1)
+    assert share.max() > 0.2
+    assert share.min() == 0
+    assert np.allclose(sure, 1 - share / 2)
+
+
+def test_typical_residuals_are_half_sure():
+    residual = np.array([0.0, 1.0, 2.0, 4.0, 100.0])
+    sure = confidence_of_residual(residual)
+    assert sure[0] == 1
+    assert sure[2] == pytest.approx(0.5)
+    assert (np.diff(sure) < 0).all()
+    assert np.array_equal(confidence_of_residual(np.zeros(3)), np.ones(3))
