@@ -181,7 +181,7 @@ def _relative_turn(axis: Float, a: Float, b: Float) -> None:
             trace += a[r, c] * b[r, c]
     angle = np.arccos(min(1.0, max(-1.0, 0.5 * (trace - 1))))
     sine = np.sin(angle)
-    if angle > 3.14159:  # half a turn: the axis spans the range of a b^T + 1, whose columns have its direction
+    if angle > 3.14159:  # half a turn: every column of a b^T + 1 has the direction of the axis
         longest = 0.0
         for k in range(3):
             column = np.zeros(3)
