@@ -121,7 +121,7 @@ def caption(axes: Axes, title: str, note: str) -> None:
     inches = axes.get_window_extent().width / axes.figure.dpi
     letters = max(int(inches / LETTER), 12)
     axes.set_title("\n".join(wrap(title, letters, max_lines=2, placeholder=" …")), pad=15)
-    note = _shortened(note, int(1.35 * letters))
+    note = _shortened(note, max(int(1.8 * letters), 28))
     axes.text(0, 1.015, note, transform=axes.transAxes, fontsize=7.5, color=QUIET, va="bottom")
 
 
