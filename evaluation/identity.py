@@ -71,10 +71,17 @@ def code_version(module: str) -> str:
         name = waiting.pop()
         if name in seen:
             continue
-        tree = _parsed(name)
-        seen[name] = hashlib.sha256(_substance(tree).encode()).hexdigest()
-        waiting.extend(sorted(set(_imported(tree)) - set(seen)))
+        seen[name], imported = _facts(name)
+        waiting.extend(sorted(imported - set(seen)))
     return digest(seen)[:16]
+
+
+@cache
+def _facts(module: str) -> tuple[str, frozenset[str]]:
+    """Hash of a module's substance, and the project modules that it imports."""
+    tree = _parsed(module)
+    imported = frozenset(_imported(tree))
+    return hashlib.sha256(_substance(tree).encode()).hexdigest(), imported
 
 
 @cache

@@ -11,7 +11,7 @@ def package(tmp_path, monkeypatch):
     """A project package `lib` with two modules, of which `front` uses `back`; call to write it anew."""
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(identity, "PROJECT", ("lib",))
-    caches = (identity.code_version, identity._parsed, identity._home, identity._is_package)
+    caches = (code_version, identity._facts, identity._parsed, identity._home, identity._is_package)
 
     def write(front="from lib.back import f\n", back="def f():\n    return 1\n", init="", other="x = 1\n"):
         folder = tmp_path / "lib"
