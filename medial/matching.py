@@ -38,10 +38,11 @@ PROMISING = 20
 """Distinct fits that are settled to the end."""
 ADOPTED = (0.25, 8)
 """Fits whose score is within this of the best are looked at with fine nodes, at most so many."""
-FINALIST = 0.1
-"""Of those, what scores less than the best by more than this is not settled finely."""
-FINE_STRAIN_COST = 1000.0
-"""Cost of the mean square strain of a pose carried over to fine nodes: what settling adds to it is noise."""
+FINALIST = 0.2
+"""Of those, what is worth less than the best by more than this is not settled finely."""
+COARSE_COST, FINE_COST = 350.0, 1000.0
+"""Cost of the mean square strain of a quick fit, and of its pose carried over to fine nodes. What settling
+finely adds to the strain is noise."""
 
 
 def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
@@ -213,13 +214,14 @@ class Pair:
         margin, most = ADOPTED
         near = [fit for fit in pool if fit.score > pool[0].score - margin][: most if final else 1]
         adopted = run_tasks(lambda fit: fine.judge(fine.adopt(quick.graph, fit.pose)), [(f,) for f in near])
-        cost = FINE_STRAIN_COST * np.array([fit.strain for fit in adopted])
-        score = np.array([fit.seen for fit in adopted]) - cost
+        coarse = np.array([fit.seen - COARSE_COST * fit.strain for fit in near])
+        coarse -= FINE_COST * np.array([fit.strain for fit in adopted])
+        worth = coarse + [fit.seen for fit in adopted]
         if final:
-            order = np.argsort(-score, kind="stable")[: self.config.finalists]
-            order = order[score[order] > score.max() - FINALIST]
+            order = np.argsort(-worth, kind="stable")[: self.config.finalists]
+            order = order[worth[order] > worth.max() - FINALIST]
             settled = run_tasks(fine.settle, [(adopted[k].pose,) for k in order])
-            chosen = int(np.argmax([fit.seen for fit in settled] - cost[order]))
+            chosen = int(np.argmax(coarse[order] + [fit.seen for fit in settled]))
             best, dense = near[order[chosen]], fine.dense(settled[chosen])
         else:
             best, dense = near[0], fine.dense(adopted[0])
