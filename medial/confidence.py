@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from medial.matching_deform import attach
-from medial.matching_register import Fit, Registration
-from medial.refine import Dense, FineDeformation
+from medial.matching_deform import Attachment
+from medial.matching_register import Fit
+from medial.refine import Dense
 
 Float = NDArray[np.float64]
 
@@ -15,9 +15,7 @@ SAME_PLACE = 0.1
 """Nodes placed closer than this, in sqrt(area), agree."""
 
 
-def confidence_of_fit(
-    dense: Dense, best: Fit, pool: list[Fit], fine: FineDeformation, quick: Registration
-) -> Float:
+def confidence_of_fit(dense: Dense, best: Fit, pool: list[Fit], attachment: Attachment) -> Float:
     """Belief that each match is right, in [0, 1].
 
     Parameters
@@ -28,8 +26,8 @@ def confidence_of_fit(
         The quick fit that it came from.
     pool
         All distinct quick fits.
-    fine, quick
-        The deformations.
+    attachment
+        How the points hang on the nodes of the quick fits.
 
     Returns
     -------
@@ -38,8 +36,7 @@ def confidence_of_fit(
     weights = np.exp([min(0.0, (fit.score - best.score) / RIVAL_TEMPERATURE) for fit in pool])
     agree = [np.linalg.norm(fit.pose.positions - best.pose.positions, axis=1) < SAME_PLACE for fit in pool]
     shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (nodes,)
-    hang = attach(fine.coordinates, quick.graph.coordinates)
-    undisputed = (shared[hang.nodes] * hang.weights).sum(axis=1)
+    undisputed = (shared[attachment.nodes] * attachment.weights).sum(axis=1)
     return np.clip(undisputed * dense.held * dense.alone * dense.found, 0, 1)
 
 

@@ -21,7 +21,7 @@ from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
 from medial.flips import flip_verdict
 from medial.landmarks import Side, extend, prepare, shared_times
-from medial.matching_deform import NodeGraph
+from medial.matching_deform import Attachment, NodeGraph
 from medial.matching_pool import Candidate, diffusion_candidates, grown, path_candidates
 from medial.matching_recombine import Exchange, distinct, recombine
 from medial.matching_register import Fit, Registration, Schedule
@@ -140,18 +140,18 @@ class Pair:
         """The candidate of the lowest cost of Eq. 17, spread to all points (Sec. 4)."""
         costs = np.array([c.cost for c in candidates])
         chosen = int(costs.argmin())
+        if self.config.refine == "deform":
+            return self.by_fit([candidates[chosen]])
         mapped, residual = extend(self.here, self.there, candidates[chosen].landmarks, slice(None))
         confidence = confidence_of_residual(residual)
         if self.config.refine == "spectral":
             mapped = spectral_refinement(*self.diffusions, mapped)
-        elif self.config.refine == "deform":
-            return self.by_fit([candidates[chosen]])
         return self._matching(mapped, confidence, candidates, -costs, chosen, "undecided")
 
     def by_fit(self, candidates: list[Candidate]) -> Matching:
         """The candidate, or the combination of candidates, onto which the source deforms best."""
         coordinates = neighbourhoods(self.diffusions[0])
-        quick = self._quick(coordinates)
+        quick, attachment = self._quick(coordinates)
         begun = run_tasks(lambda c: self._try(quick, c), [(c,) for c in candidates])
         scores = np.array([fit.score for fit in begun])
         rest = [(fit.pose, QUICK, EARLY) for fit in distinct(begun, PROMISING)]
@@ -161,7 +161,7 @@ class Pair:
             pool = recombine(quick, tried, exchange)
         else:
             pool = distinct(tried, exchange.donors)
-        best, mapped, confidence = self._finish(quick, pool, coordinates)
+        best, mapped, confidence = self._finish(quick, attachment, pool, coordinates)
         gaps = [np.linalg.norm(fit.moved - best.moved, axis=1).mean() for fit in begun]
         chosen = int(np.argmin(gaps))
         if self.config.refine != "deform" and not self.config.recombine:
@@ -171,20 +171,13 @@ class Pair:
         flip = flip_verdict(best, pool, candidates, self.target)
         return self._matching(mapped, confidence, candidates, scores, chosen, flip)
 
-    def _quick(self, coordinates: NDArray[np.float32]) -> Registration:
-        """Deformations with few nodes, of the samples alone."""
+    def _quick(self, coordinates: NDArray[np.float32]) -> tuple[Registration, Attachment]:
+        """Deformations with few nodes, of the samples alone, and how all points hang on the nodes."""
         nodes = max(2, min(self.config.nodes, len(self.source) // 4))
-        graph, attachment = NodeGraph.over(coordinates, self.source.points, self.here.samples, nodes)
         rows = self.here.samples
-        return Registration(
-            graph,
-            self.source.points[rows],
-            self.source.normals[rows],
-            attachment.rows(rows),
-            self.target.points,
-            self.target.normals,
-            self.there.samples,
-        )
+        graph, attachment = NodeGraph.over(coordinates, self.source.points, rows, nodes)
+        quick = Registration.between(graph, attachment, self.source, self.target, rows, self.there.samples)
+        return quick, attachment
 
     def _try(self, quick: Registration, candidate: Candidate) -> Fit:
         goal = candidate.at_samples
@@ -192,7 +185,11 @@ class Pair:
         return quick.settle(pose, QUICK, 0, EARLY)
 
     def _finish(
-        self, quick: Registration, pool: list[Fit], coordinates: NDArray[np.float32]
+        self,
+        quick: Registration,
+        attachment: Attachment,
+        pool: list[Fit],
+        coordinates: NDArray[np.float32],
     ) -> tuple[Fit, NDArray[np.int64], NDArray[np.float64]]:
         """Look at good fits with fine nodes, settle the best of them and take the one that fits best then.
 
@@ -213,7 +210,9 @@ class Pair:
         )
         margin, most = ADOPTED
         near = [fit for fit in pool if fit.score > pool[0].score - margin][: most if final else 1]
-        adopted = run_tasks(lambda fit: fine.judge(fine.adopt(quick.graph, fit.pose)), [(f,) for f in near])
+        adopted = run_tasks(
+            lambda fit: fine.judge(fine.adopt(quick.graph, attachment, fit.pose)), [(f,) for f in near]
+        )
         coarse = np.array([fit.seen - COARSE_COST * fit.strain for fit in near])
         coarse -= FINE_COST * np.array([fit.strain for fit in adopted])
         worth = coarse + [fit.seen for fit in adopted]
@@ -225,7 +224,7 @@ class Pair:
             best, dense = near[order[chosen]], fine.dense(settled[chosen])
         else:
             best, dense = near[0], fine.dense(adopted[0])
-        return best, dense.source_to_target, confidence_of_fit(dense, best, pool, fine, quick)
+        return best, dense.source_to_target, confidence_of_fit(dense, best, pool, attachment)
 
     def _matching(
         self,

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from medial.cloud import Cloud
 from medial.matching_deform import Attachment, Float, Int, NodeGraph, NormalEquations, Pose, moved
 from medial.matching_kernels import local_motions
 
@@ -119,6 +120,26 @@ class Registration:
         self._back_points, self._back_normals = target_points[look_back], target_normals[look_back]
         self._tree = cKDTree(features(target_points, target_normals))
         self._back_features = features(self._back_points, self._back_normals)
+
+    @classmethod
+    def between(
+        cls, graph: NodeGraph, attachment: Attachment, source: Cloud, target: Cloud, rows: Int, look_back: Int
+    ) -> "Registration":
+        """Some points of a cloud, all of which hang on the nodes, against another cloud.
+
+        Parameters
+        ----------
+        graph
+        attachment
+            Of all points of the source.
+        source, target
+        rows : (n,) int64
+            Source points that take part.
+        look_back : (b,) int64
+            Target points that look for the source.
+        """
+        points, normals, hang = source.points[rows], source.normals[rows], attachment.rows(rows)
+        return cls(graph, points, normals, hang, target.points, target.normals, look_back)
 
     def follow(self, goal: Float, goal_normals: Float, schedule: Schedule) -> Pose:
         """Deform the source along a map, robustly: what most neighbours agree on wins.

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from medial.cloud import Cloud, farthest_order
 from medial.compiled import thread_count
 from medial.diffusion import Diffusion
-from medial.matching_deform import Attachment, NodeGraph, Pose, attach, moved
+from medial.matching_deform import Attachment, NodeGraph, Pose, moved
 from medial.matching_register import Fit, Registration, Schedule, features
 from medial.nearest import nearest
 from medial.sampling import diffusion_map, smallest_time
@@ -83,7 +83,7 @@ class FineDeformation:
     """
 
     def __init__(self, source: Cloud, target: Cloud, coordinates: Float32, eligible: Int, nodes: int) -> None:
-        self.source, self.target, self.coordinates = source, target, coordinates
+        self.source, self.target = source, target
         count = max(2, min(nodes, len(source) // 4))
         self.graph, self.attachment = NodeGraph.over(coordinates, source.points, eligible, count)
         taken = farthest_order(source.points, MOST_POINTS) if len(source) > MOST_POINTS else slice(None)
@@ -92,22 +92,22 @@ class FineDeformation:
         self._everything = self._over(np.arange(len(source)), np.arange(1))
 
     def _over(self, taken: Int, look_back: Int) -> Registration:
-        return Registration(
-            self.graph,
-            self.source.points[taken],
-            self.source.normals[taken],
-            self.attachment.rows(taken),
-            self.target.points,
-            self.target.normals,
-            look_back,
-        )
+        return Registration.between(self.graph, self.attachment, self.source, self.target, taken, look_back)
 
-    def adopt(self, graph: NodeGraph, pose: Pose) -> Pose:
-        """A coarse pose carried over to the fine nodes."""
-        coarse: Attachment = attach(self.coordinates[self._taken], graph.coordinates)
+    def adopt(self, graph: NodeGraph, attachment: Attachment, pose: Pose) -> Pose:
+        """A coarse pose carried over to the fine nodes.
+
+        Parameters
+        ----------
+        graph
+            The coarse nodes.
+        attachment
+            How all points of the source hang on them.
+        pose
+        """
         taken = self._taken
-        goal = moved(self.source.points[taken], self.source.normals[taken], coarse, graph, pose)
-        return self._registration.follow(*goal, FINE)
+        points, normals = self.source.points[taken], self.source.normals[taken]
+        return self._registration.follow(*moved(points, normals, attachment.rows(taken), graph, pose), FINE)
 
     def settle(self, pose: Pose) -> Fit:
         """Settle the fine deformation."""

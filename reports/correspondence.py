@@ -17,7 +17,8 @@ from evaluation.metrics import SurfacePoints, correspondence_error
 from evaluation.store import ResultsStore
 from reports.figures.clouds import ERROR_CAP, carried_colors, position_colors
 from reports.figures.pairs import Cloud, Pair, Panel
-from reports.figures.style import ABSENT, order_methods
+from reports.figures.style import ABSENT
+from reports.methods import order_methods
 from scanner_sim import Scan
 
 COUNTERPART = 0.05

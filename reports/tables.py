@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from datasets_gen.records import atomic_path
-from reports.figures.style import order_methods
+from reports.methods import order_methods
 
 GROUP = ["dataset", "regime"]
 STABILITY_GROUP = ["dataset", "views", "source_threshold"]

@@ -83,11 +83,7 @@ def match(
     meshes, which are sampled. The map holds source_to_target (for each of source_points an index into
     target_points), confidence in [0, 1] and landmarks (pairs of such indices).
     """
-    from reports.commands.paths import check_output_file
-
-    check_output_file(out, (".npz",))
-    if picture is not None:
-        check_output_file(picture, (".png", ".pdf"))
+    _check_outputs(out, picture)
     names = [
         ("reading", 1),
         ("loading libraries", 2),
@@ -139,11 +135,7 @@ def symmetry(
 
     The map has the same form as that of match, with CLOUD as source and as target.
     """
-    from reports.commands.paths import check_output_file
-
-    check_output_file(out, (".npz",))
-    if picture is not None:
-        check_output_file(picture, (".png", ".pdf"))
+    _check_outputs(out, picture)
     named = [("reading", 1), ("loading libraries", 2), ("operator", 8), ("matching", 6), ("writing", 1)]
     with steps(quiet, named) as step:
         next(step)
@@ -188,6 +180,14 @@ def _write(
         "target_points": target.points,
     }
     save_record(out, kind, arrays, {"cost": float(found.cost), "flip": found.flip, **about})
+
+
+def _check_outputs(out: Path, picture: Path | None) -> None:
+    from reports.commands.paths import check_output_file
+
+    check_output_file(out, (".npz",))
+    if picture is not None:
+        check_output_file(picture, (".png", ".pdf"))
 
 
 def _draw(picture: Path, clouds: "Sequence[FileCloud]", names: tuple[str, str], found: "Matching") -> None:

@@ -163,12 +163,14 @@ def _preview(settings: "Experiment", folder: Path) -> None:
 
 def _finish(store: "ResultsStore", with_report: bool, quiet: bool, jobs: int | None) -> None:
     """Leaderboard, report, and a failure that counts the failures."""
-    from reports.commands.report import write_report
-    from reports.page import PAIRS
     from reports.tables import ceilings, leaderboard, plain
 
-    table = plain(store.table())
-    page = write_report(store.folder, None, PAIRS, quiet, jobs) if with_report and len(table) else None
+    table, page = plain(store.table()), None
+    if with_report and len(table):
+        from reports.commands.report import write_report
+        from reports.page import PAIRS
+
+        page = write_report(store.folder, None, PAIRS, quiet, jobs)
     board = leaderboard(table, ceilings(store.settings))
     if len(board) and not quiet:
         from reports.terminal import leaderboard_lines

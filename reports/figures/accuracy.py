@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.style import legend_below, method_colors, new_figure, order_methods, styled
+from reports.figures.style import legend_below, method_colors, new_figure, styled
+from reports.methods import order_methods
 
 
 @styled

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.figures.style import QUIET, legend_below, new_figure, order_methods, series_styles, styled
+from reports.figures.style import QUIET, legend_below, new_figure, series_styles, styled
+from reports.methods import order_methods
 
 TICKS = 8
 """Thresholds that are all named on the axis; more are left to the axis."""

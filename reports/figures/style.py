@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from datasets_gen.records import atomic_path
+from reports.methods import METHODS, known_method, order_methods
 
 P = ParamSpec("P")
 
@@ -23,19 +24,6 @@ QUIET = "#6e7781"
 GRID = "#e3e6e9"
 ABSENT = "#d9dcdf"
 """Points that a map says nothing about."""
-
-METHODS = {
-    "medial": "#d55e00",
-    "heat": "#0072b2",
-    "robust": "#009e73",
-    "tufted": "#009e73",
-    "functional": "#cc79a7",
-    "cpd": "#e69f00",
-    "geodesic": "#56b4e9",
-    "rigid": "#8c8c8c",
-    "truth": "#24292f",
-}
-"""Colours of methods by the beginning of their labels (Okabe & Ito 2008), the same in every report."""
 
 _SPARE = ["#882255", "#44aa99", "#ddcc77", "#332288", "#999933", "#aa4499", "#117733", "#661100"]
 _MARKERS = "osD^vP<>X*"
@@ -123,20 +111,9 @@ def method_colors(methods: Iterable[str]) -> dict[str, str]:
     colors: dict[str, str] = {}
     spare = itertools.cycle(_SPARE)
     for label in labels:
-        known = METHODS.get(_known(label), "")
+        known = METHODS.get(known_method(label), "")
         colors[label] = known if known and known not in colors.values() else next(spare)
     return colors
-
-
-def order_methods(methods: Iterable[str]) -> list[str]:
-    """Labels in the order of `METHODS`, the unknown ones last; the shorter first, then by the alphabet."""
-    known = [*METHODS, ""]
-    return sorted(set(methods), key=lambda label: (known.index(_known(label)), len(label), label))
-
-
-def _known(label: str) -> str:
-    """The known method that a label begins with, such as "medial" for "medial diffusion"; empty if none."""
-    return next((name for name in METHODS if label.lower().startswith(name)), "")
 
 
 def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from reports.figures.style import method_colors, order_methods
+from reports.figures.style import method_colors
+from reports.methods import order_methods
 from reports.tables import GROUP, LEADERBOARD, STABILITY, STABILITY_GROUP, Column, best_cells, text, used
 
 if TYPE_CHECKING:

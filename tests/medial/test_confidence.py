@@ -1,7 +1,6 @@
 """Belief in matches."""
 
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from medial.refine import Dense
 from tests.medial.posed import rest_pose
 
 COORDINATES = np.random.default_rng(0).standard_normal((120, 3)).astype(np.float32)
-GRAPH, _ = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
+GRAPH, ATTACHMENT = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
 SURE = Dense(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
 
 
@@ -26,8 +25,7 @@ BEST = Settled(rest_pose(GRAPH), 1.5)
 
 
 def confidence(dense, *rivals):
-    stand_in = SimpleNamespace(coordinates=COORDINATES), SimpleNamespace(graph=GRAPH)
-    return confidence_of_fit(dense, BEST, [BEST, *rivals], *stand_in)
+    return confidence_of_fit(dense, BEST, [BEST, *rivals], ATTACHMENT)
 
 
 def rival(loss, nodes=slice(None)):

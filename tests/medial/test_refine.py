@@ -57,9 +57,12 @@ def test_settling_follows_a_bend():
 
 def test_a_coarse_pose_is_carried_over_to_the_fine_nodes(same):
     coordinates = neighbourhoods(figure())
-    coarse, _ = NodeGraph.over(coordinates, same.source.points, np.arange(len(figure())), 20)
+    coarse, hang = NodeGraph.over(coordinates, same.source.points, np.arange(len(figure())), 20)
     turn, shift = rotation(2), np.array([0.5, -1.0, 0.2])
-    pose, rigid = same.adopt(coarse, rigid_pose(coarse, turn, shift)), rigid_pose(same.graph, turn, shift)
+    pose, rigid = (
+        same.adopt(coarse, hang, rigid_pose(coarse, turn, shift)),
+        rigid_pose(same.graph, turn, shift),
+    )
     assert np.allclose(pose.positions, rigid.positions, atol=1e-5)
     assert np.allclose(pose.rotations, rigid.rotations, atol=1e-4)
 

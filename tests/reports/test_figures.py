@@ -8,7 +8,8 @@ from reports.figures.maps import dense_map
 from reports.figures.pairs import Cloud, Pair, Panel, correspondence
 from reports.figures.scans import ScanView, scans
 from reports.figures.stability import stability
-from reports.figures.style import METHODS, method_colors, order_methods, save
+from reports.figures.style import method_colors, save
+from reports.methods import METHODS, order_methods
 from reports.tables import plain
 
 
