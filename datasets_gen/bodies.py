@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
+from threadpoolctl import threadpool_limits
 
 from datasets_gen.implicit import Body
 from datasets_gen.remesh import compact, remesh
@@ -141,6 +142,7 @@ def _completed(vertices: Array, faces: Ints) -> tuple[Array, Ints, Ints]:
     return both, np.concatenate([faces, mirror[faces][:, ::-1]]), back
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # the last bits of a product depend on the threads
 def build(plan: BodyPlan, mush_steps: int = 12) -> Collection:
     """Mesh a body plan and pose it; every pose stands on y = 0."""
     vertices, faces, mirror = triangulate(plan)
