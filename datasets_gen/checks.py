@@ -4,7 +4,6 @@ import logging
 from dataclasses import replace
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -154,6 +153,8 @@ def oriented(faces: NDArray[np.int32], vertices: NDArray[np.float64], name: str)
     """
     conflicts = winding_conflicts(faces)
     if conflicts and (edge_face_counts(faces) <= 2).all():
+        import trimesh  # where it is needed: a start without it takes half as long
+
         mesh = trimesh.Trimesh(vertices, faces, process=False)
         trimesh.repair.fix_winding(mesh)
         faces = np.asarray(mesh.faces, dtype=np.int32)

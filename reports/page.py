@@ -8,10 +8,8 @@ from datasets_gen.records import atomic_path
 from evaluation.store import ResultsStore
 from reports import tables
 from reports.html.render import PageData, render_page
+from reports.made import PAIRS, note_made
 from reports.sections import Drawing, drawn, figure_jobs, pair_groups
-
-PAIRS = 24
-"""Pairs drawn by default; a sweep may have thousands."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -73,6 +71,7 @@ def build(
     index = folder / "index.html"
     with atomic_path(index) as temporary:
         temporary.write_text(render_page(data), encoding="utf-8")
+    note_made(store, folder, pairs)
     return index
 
 

@@ -167,10 +167,13 @@ def _finish(store: "ResultsStore", with_report: bool, quiet: bool, jobs: int | N
 
     table, page = plain(store.table()), None
     if with_report and len(table):
-        from reports.commands.report import write_report
-        from reports.page import PAIRS
+        from reports.made import PAIRS, is_made
 
-        page = write_report(store.folder, None, PAIRS, quiet, jobs)
+        page = store.folder / "report" / "index.html"
+        if not is_made(store, page.parent, PAIRS):
+            from reports.commands.report import write_report
+
+            page = write_report(store.folder, None, PAIRS, quiet, jobs)
     board = leaderboard(table, ceilings(store.settings))
     if len(board) and not quiet:
         from reports.terminal import leaderboard_lines
