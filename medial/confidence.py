@@ -4,18 +4,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medial.matching_deform import Attachment
-from medial.matching_register import Fit
+from medial.matching_way import Placed
 from medial.refine import Dense
 
 Float = NDArray[np.float64]
+Int = NDArray[np.int64]
 
 RIVAL_TEMPERATURE = 0.03
 """A map whose score is lower by this is e times less likely."""
 SAME_PLACE = 0.1
-"""Nodes placed closer than this, in sqrt(area), agree."""
+"""Samples placed closer than this, in sqrt(area), agree."""
 
 
-def confidence_of_fit(dense: Dense, best: Fit, pool: list[Fit], attachment: Attachment) -> Float:
+def confidence_of_fit(
+    dense: Dense, best: Placed, pool: list[Placed], attachment: Attachment, samples: Int
+) -> Float:
     """Belief that each match is right, in [0, 1].
 
     Parameters
@@ -25,18 +28,20 @@ def confidence_of_fit(dense: Dense, best: Fit, pool: list[Fit], attachment: Atta
     best
         The quick fit that it came from.
     pool
-        All distinct quick fits.
+        All distinct quick fits, of both ways.
     attachment
-        How the points hang on the nodes of the quick fits.
+        How the source points hang on the nodes of the quick fits.
+    samples : (s,) int64
+        The source points that were placed.
 
     Returns
     -------
     (n,) float64
     """
     weights = np.exp([min(0.0, (fit.score - best.score) / RIVAL_TEMPERATURE) for fit in pool])
-    agree = [np.linalg.norm(fit.pose.positions - best.pose.positions, axis=1) < SAME_PLACE for fit in pool]
-    shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (nodes,)
-    undisputed = (shared[attachment.nodes] * attachment.weights).sum(axis=1)
+    agree = [np.linalg.norm(fit.places - best.places, axis=1) < SAME_PLACE for fit in pool]
+    shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (s,)
+    undisputed = attachment.spread(samples, shared)
     return np.clip(undisputed * dense.held * dense.alone * dense.found, 0, 1)
 
 

@@ -1,10 +1,8 @@
 """Left for right: what the orientation-preserving fit says about the map that intrinsic evidence prefers."""
 
-import numpy as np
-
 from medial.cloud import Cloud
 from medial.matching_pool import Candidate
-from medial.matching_register import Fit
+from medial.matching_way import Placed
 
 MARGIN = 0.03
 """Scores of a map and its rival that differ less leave it open which one is right."""
@@ -12,7 +10,7 @@ RIVAL = 0.1
 """Mean distance, in sqrt(area), from which two maps count as rivals."""
 
 
-def flip_verdict(best: Fit, pool: list[Fit], candidates: list[Candidate], target: Cloud) -> str:
+def flip_verdict(best: Placed, pool: list[Placed], candidates: list[Candidate], target: Cloud) -> str:
     """Whether the chosen map is that of the lowest cost of Eq. 17, a rival of it, or hardly better than one.
 
     Diffusion cannot tell a shape from its mirror image, so the cost prefers a mirrored map as often as the
@@ -23,19 +21,16 @@ def flip_verdict(best: Fit, pool: list[Fit], candidates: list[Candidate], target
     best
         The chosen fit.
     pool
-        All distinct fits.
+        All distinct fits, of both ways.
     candidates
-        Landmark sets.
+        Landmark sets on the source.
     target
 
     Returns
     -------
     {"kept", "flipped", "undecided"}
     """
-    for rival in pool:
-        gap = np.linalg.norm(rival.moved - best.moved, axis=1).mean()
-        if gap > RIVAL and rival.score > best.score - MARGIN:
-            return "undecided"
+    if any(best.gap(rival) > RIVAL and rival.score > best.score - MARGIN for rival in pool):
+        return "undecided"
     by_cost = min((c for c in candidates if not c.by_paths), key=lambda c: c.cost)
-    gap = np.linalg.norm(target.points[by_cost.at_samples] - best.moved, axis=1).mean()
-    return "flipped" if gap > RIVAL else "kept"
+    return "flipped" if best.gap(Placed(target.points[by_cost.at_samples], 0.0)) > RIVAL else "kept"

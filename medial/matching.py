@@ -3,39 +3,32 @@
 With `MatchConfig.paper()` this is Sec. 4 as written. By default
 
 1. many landmark sets are grown, each with its alternatives (left for right, arm for leg),
-2. each is tried out: the source is deformed along its map and settles on the target,
+2. each is tried out: the source is deformed along its map and settles on the target, or the other way round,
 3. parts are exchanged between the settled maps (one may have the arms right and another the legs),
-4. the best are deformed finely; the target point nearest to a deformed source point is its match.
+4. the best are deformed finely; points of the two clouds that come to lie together are matches.
 """
 
-import logging
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
-from medial.cloud import Cloud, common_units
+from medial.cloud import common_units
 from medial.compiled import run_tasks
 from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
 from medial.flips import flip_verdict
-from medial.landmarks import Side, extend, prepare, shared_times
-from medial.matching_deform import Attachment, NodeGraph
-from medial.matching_pool import Candidate, diffusion_candidates, grown, path_candidates
-from medial.matching_recombine import Exchange, distinct, recombine
-from medial.matching_register import Fit, Registration, Schedule
+from medial.landmarks import extend, prepare, shared_times
+from medial.matching_pool import Candidate, diffusion_candidates, grown
+from medial.matching_register import Fit
 from medial.matching_types import MatchConfig, Matching
+from medial.matching_way import End, Placed, Way, candidates, search
 from medial.nearest import single_blas_thread
-from medial.refine import FineDeformation, neighbourhoods, spectral_refinement
+from medial.paths import MedialPaths
+from medial.refine import Dense, spectral_refinement
 
-log = logging.getLogger(__name__)
-
-QUICK = Schedule()
-EARLY = 5
-"""Rounds of closest points before like fits are merged and the worst are dropped."""
-PROMISING = 20
-"""Distinct fits that are settled to the end."""
 ADOPTED = (0.25, 8)
 """Fits whose score is within this of the best are looked at with fine nodes, at most so many."""
 FINALIST = 0.2
@@ -70,12 +63,11 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
     config = config or MatchConfig()
     with single_blas_thread():
         pair = Pair(source, target, config, seed)
-        candidates = diffusion_candidates(
-            pair.here, pair.there, pair.times, config, np.random.default_rng([seed, 2])
-        )
-        if config.paths and config.selection == "fit":
-            candidates += path_candidates(pair.here, pair.source, pair.target)
-        return pair.by_cost(candidates) if config.selection == "cost" else pair.by_fit(candidates)
+        rngs = [np.random.default_rng([seed, 2]), np.random.default_rng([seed, 3])]
+        if config.selection == "fit":
+            return pair.by_fit(candidates(pair.ways, rngs))
+        here, there = pair.ends
+        return pair.by_cost(diffusion_candidates(here.side, there.side, pair.times, config, rngs[0]))
 
 
 def extrapolate(
@@ -109,8 +101,11 @@ def extrapolate(
             )
     with single_blas_thread():
         pair = Pair(source, target, config, seed)
-        candidates = [grown(pair.here, pair.there, pairs, config)]
-        found = pair.by_cost(candidates) if config.selection == "cost" else pair.by_fit(candidates)
+        found = (
+            pair.by_fit(pair.given(pairs))
+            if config.selection == "fit"
+            else pair.by_cost(pair.given(pairs)[0])
+        )
     return replace(found, landmarks=pairs)
 
 
@@ -130,124 +125,138 @@ class Pair:
             )
         self.diffusions, self.config, self.seed = (source, target), config, seed
         self.times = shared_times(source, target, config)
-        self.here: Side = prepare(source, self.times, config, np.random.default_rng([seed, 0]))
-        self.there: Side = prepare(target, self.times, config, np.random.default_rng([seed, 1]))
-        self.source: Cloud
-        self.target: Cloud
-        self.source, self.target = common_units(source, target)
+        clouds = common_units(source, target)
+        sides = [
+            prepare(diffusion, self.times, config, np.random.default_rng([seed, k]))
+            for k, diffusion in enumerate(self.diffusions)
+        ]
+        paths: list[MedialPaths | None] = [None, None]
+        if config.paths and config.selection == "fit":
+            paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
+        self.ends = [End(*parts) for parts in zip(sides, clouds, paths, strict=True)]
+
+    @cached_property
+    def ways(self) -> list[Way]:
+        """The source onto the target and, if both are wanted, the target onto the source."""
+        here, there = self.ends
+        both = self.config.both_ways and self.config.selection == "fit"
+        wanted = [(here, there), (there, here)] if both else [(here, there)]
+        return run_tasks(lambda a, b: Way(a, b, self.times, self.config), wanted)
+
+    def given(self, landmarks: NDArray[np.int64]) -> list[list[Candidate]]:
+        """The candidate that given landmarks (L, 2) make, for each way."""
+        (here, there), config = self.ends, self.config
+        forth = grown(here.side, there.side, landmarks, config)
+        return [[forth], [grown(there.side, here.side, landmarks[:, ::-1], config)]]
 
     def by_cost(self, candidates: list[Candidate]) -> Matching:
         """The candidate of the lowest cost of Eq. 17, spread to all points (Sec. 4)."""
         costs = np.array([c.cost for c in candidates])
         chosen = int(costs.argmin())
         if self.config.refine == "deform":
-            return self.by_fit([candidates[chosen]])
-        mapped, residual = extend(self.here, self.there, candidates[chosen].landmarks, slice(None))
+            return self.by_fit([[candidates[chosen]]])
+        here, there = self.ends
+        mapped, residual = extend(here.side, there.side, candidates[chosen].landmarks, slice(None))
         confidence = confidence_of_residual(residual)
         if self.config.refine == "spectral":
             mapped = spectral_refinement(*self.diffusions, mapped)
-        return self._matching(mapped, confidence, candidates, -costs, chosen, "undecided")
+        return self._matching(mapped, confidence, [candidates], -costs, chosen, "undecided")
 
-    def by_fit(self, candidates: list[Candidate]) -> Matching:
-        """The candidate, or the combination of candidates, onto which the source deforms best."""
-        coordinates = neighbourhoods(self.diffusions[0])
-        quick, attachment = self._quick(coordinates)
-        begun = run_tasks(lambda c: self._try(quick, c), [(c,) for c in candidates])
-        scores = np.array([fit.score for fit in begun])
-        rest = [(fit.pose, QUICK, EARLY) for fit in distinct(begun, PROMISING)]
-        tried = run_tasks(quick.settle, rest)
-        exchange = Exchange()
-        if self.config.recombine:
-            pool = recombine(quick, tried, exchange)
-        else:
-            pool = distinct(tried, exchange.donors)
-        best, mapped, confidence = self._finish(quick, attachment, pool, coordinates)
-        gaps = [np.linalg.norm(fit.moved - best.moved, axis=1).mean() for fit in begun]
-        chosen = int(np.argmin(gaps))
-        if self.config.refine != "deform" and not self.config.recombine:
-            mapped = candidates[chosen].dense()
-        if self.config.refine == "spectral":
+    def by_fit(self, candidates: list[list[Candidate]]) -> Matching:
+        """The candidate, or the combination of candidates, along which the clouds deform best.
+
+        Parameters
+        ----------
+        candidates
+            Of each way.
+        """
+        ways, config = self.ways, self.config
+        candidates = candidates[: len(ways)]
+        followed = [way.follow(each) for way, each in zip(ways, candidates, strict=True)]
+        pools = search(ways, followed)
+        best, dense = self._finish(pools)
+        starts, pool = self._placed(followed), self._placed(pools)
+        at = self._placed_one(*best)
+        gaps = np.array([at.gap(start) for start in starts])
+        mapped = dense.match
+        if config.refine != "deform" and not config.recombine:
+            mapped = candidates[0][int(gaps[: len(candidates[0])].argmin())].dense()
+        if config.refine == "spectral":
             mapped = spectral_refinement(*self.diffusions, mapped)
-        flip = flip_verdict(best, pool, candidates, self.target)
-        return self._matching(mapped, confidence, candidates, scores, chosen, flip)
+        confidence = confidence_of_fit(dense, at, pool, ways[0].attachment, self.ends[0].side.samples)
+        flip = flip_verdict(at, pool, candidates[0], self.ends[1].cloud)
+        scores = np.array([start.score for start in starts])
+        return self._matching(mapped, confidence, candidates, scores, int(gaps.argmin()), flip)
 
-    def _quick(self, coordinates: NDArray[np.float32]) -> tuple[Registration, Attachment]:
-        """Deformations with few nodes, of the samples alone, and how all points hang on the nodes."""
-        nodes = max(2, min(self.config.nodes, len(self.source) // 4))
-        rows = self.here.samples
-        graph, attachment = NodeGraph.over(coordinates, self.source.points, rows, nodes)
-        quick = Registration.between(graph, attachment, self.source, self.target, rows, self.there.samples)
-        return quick, attachment
+    def _placed(self, fits: list[list[Fit]]) -> list[Placed]:
+        return run_tasks(self._placed_one, [(k, fit) for k, each in enumerate(fits) for fit in each])
 
-    def _try(self, quick: Registration, candidate: Candidate) -> Fit:
-        goal = candidate.at_samples
-        pose = quick.follow(self.target.points[goal], self.target.normals[goal], QUICK)
-        return quick.settle(pose, QUICK, 0, EARLY)
+    def _placed_one(self, way: int, fit: Fit) -> Placed:
+        return self.ways[way].placed(fit, backward=way == 1)
 
-    def _finish(
-        self,
-        quick: Registration,
-        attachment: Attachment,
-        pool: list[Fit],
-        coordinates: NDArray[np.float32],
-    ) -> tuple[Fit, NDArray[np.int64], NDArray[np.float64]]:
+    def _finish(self, pools: list[list[Fit]]) -> tuple[tuple[int, Fit], Dense]:
         """Look at good fits with fine nodes, settle the best of them and take the one that fits best then.
 
         Returns
         -------
-        best : Fit
-            Of the quick deformations.
-        source_to_target : (n,) int64
-        confidence : (n,) float64
+        best : (int, Fit)
+            The way, and the quick fit.
+        dense : Dense
+            Of all source points.
         """
         final = self.config.refine == "deform"
-        fine = FineDeformation(
-            self.source,
-            self.target,
-            coordinates,
-            self.here.samples,
-            self.config.fine_nodes if final else self.config.nodes,
-        )
+        nodes = self.config.fine_nodes if final else self.config.nodes
+        fine = run_tasks(lambda way: way.fine(nodes), [(way,) for way in self.ways])
         margin, most = ADOPTED
-        near = [fit for fit in pool if fit.score > pool[0].score - margin][: most if final else 1]
-        adopted = run_tasks(
-            lambda fit: fine.judge(fine.adopt(quick.graph, attachment, fit.pose)), [(f,) for f in near]
-        )
-        coarse = np.array([fit.seen - COARSE_COST * fit.strain for fit in near])
-        coarse -= FINE_COST * np.array([fit.strain for fit in adopted])
-        worth = coarse + [fit.seen for fit in adopted]
+        near = [(k, fit) for k, pool in enumerate(pools) for fit in pool]
+        near.sort(key=lambda each: -each[1].score)
+        near = [each for each in near if each[1].score > near[0][1].score - margin][: most if final else 1]
+
+        def adopted(way: int, fit: Fit) -> Fit:
+            quick = self.ways[way]
+            return fine[way].judge(fine[way].adopt(quick.graph, quick.attachment, fit.pose))
+
+        looked = run_tasks(adopted, near)
+        coarse = np.array([fit.seen - COARSE_COST * fit.strain for _, fit in near])
+        coarse -= FINE_COST * np.array([fit.strain for fit in looked])
+        worth = coarse + [fit.seen for fit in looked]
+        chosen, last = 0, looked[0]
         if final:
             order = np.argsort(-worth, kind="stable")[: self.config.finalists]
             order = order[worth[order] > worth.max() - FINALIST]
-            settled = run_tasks(fine.settle, [(adopted[k].pose,) for k in order])
-            chosen = int(np.argmax(coarse[order] + [fit.seen for fit in settled]))
-            best, dense = near[order[chosen]], fine.dense(settled[chosen])
-        else:
-            best, dense = near[0], fine.dense(adopted[0])
-        return best, dense.source_to_target, confidence_of_fit(dense, best, pool, attachment)
+            settled = run_tasks(lambda k: fine[near[k][0]].settle(looked[k].pose), [(k,) for k in order])
+            first = int(np.argmax(coarse[order] + [fit.seen for fit in settled]))
+            chosen, last = int(order[first]), settled[first]
+        way = near[chosen][0]
+        return near[chosen], fine[way].inverse(last) if way else fine[way].dense(last)
 
     def _matching(
         self,
         mapped: NDArray[np.int64],
         confidence: NDArray[np.float64],
-        candidates: list[Candidate],
+        candidates: list[list[Candidate]],
         scores: NDArray[np.float64],
         chosen: int,
         flip: str,
     ) -> Matching:
-        landmarks = candidates[chosen].landmarks[:, 0]
+        every = [c for each in candidates for c in each]
+        pairs = [
+            c.landmarks[:, ::-1] if k else c.landmarks for k, each in enumerate(candidates) for c in each
+        ]
+        landmarks = pairs[chosen][:, 0]
         return Matching(
             source_to_target=mapped,
             landmarks=np.column_stack([landmarks, mapped[landmarks]]),
-            cost=candidates[chosen].cost,
+            cost=every[chosen].cost,
             confidence=confidence,
             restarts={
-                "first": np.array([c.landmarks[0, 0] for c in candidates]),
-                "partner": np.array([c.landmarks[0, 1] for c in candidates]),
-                "paths": np.array([c.by_paths for c in candidates]),
-                "cost": np.array([c.cost for c in candidates]),
+                "first": np.array([pair[0, 0] for pair in pairs]),
+                "partner": np.array([pair[0, 1] for pair in pairs]),
+                "paths": np.array([c.by_paths for c in every]),
+                "backward": np.repeat([False, True][: len(candidates)], [len(each) for each in candidates]),
+                "cost": np.array([c.cost for c in every]),
                 "score": scores,
-                "chosen": np.arange(len(candidates)) == chosen,
+                "chosen": np.arange(len(every)) == chosen,
             },
             flip=flip,
             seed=self.seed,

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -55,6 +54,15 @@ class Attachment:
     def rows(self, index: Int) -> "Attachment":
         """The attachment of some of the points."""
         return Attachment(self.nodes[index], self.weights[index])
+
+    def spread(self, rows: Int, values: Float) -> Float:
+        """Values (r,) of some of the points, averaged at the nodes and from there at all points, (n,)."""
+        hang = self.rows(rows)
+        count = int(self.nodes.max()) + 1
+        mass = np.bincount(hang.nodes.ravel(), hang.weights.ravel(), count)
+        total = np.bincount(hang.nodes.ravel(), (hang.weights * values[:, None]).ravel(), count)
+        at_nodes = total / np.maximum(mass, np.finfo(float).tiny)
+        return np.asarray((at_nodes[self.nodes] * self.weights).sum(axis=1))
 
 
 @dataclass(frozen=True)
@@ -218,9 +226,7 @@ def _edges(share: Float, mass: Float, anchors: Float32) -> tuple[Int, Float]:
 def solve(system: Float, right: Float) -> Float:
     """Solution of the (slightly damped) normal equations; only the lower triangle is read."""
     system[np.diag_indices_from(system)] += 1e-6 * np.trace(system) / len(system) + 1e-12
-    return -cho_solve(
-        cho_factor(system, lower=True, check_finite=False, overwrite_a=True), right, check_finite=False
-    )
+    return -kernels.cholesky_solve(system, right)
 
 
 class NormalEquations:

@@ -288,3 +288,22 @@ def local_motions(
             scale = max(np.median(residual), smallest)
             w = base / (1 + (residual / scale) ** 2) ** 2
     return rotations, positions
+
+
+@compiled(fastmath={"contract"})
+def cholesky_solve(system: Float, right: Float) -> Float:
+    """Solution of a positive definite system of which the lower triangle is given.
+
+    LAPACK's factor without the interpreter lock, which SciPy keeps: maps are tried on all threads at once.
+    """
+    factor = np.linalg.cholesky(system)  # columns are contiguous
+    x = right.copy()
+    for j in range(len(x)):
+        x[j] /= factor[j, j]
+        for i in range(j + 1, len(x)):
+            x[i] -= factor[i, j] * x[j]
+    for j in range(len(x) - 1, -1, -1):
+        for i in range(j + 1, len(x)):
+            x[j] -= factor[i, j] * x[i]
+        x[j] /= factor[j, j]
+    return x

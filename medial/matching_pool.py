@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medial.candidates import NONE, LandmarkSet, landmark_sets, spread
-from medial.cloud import Cloud
+from medial.compiled import run_tasks
 from medial.landmarks import Side, extend, first_partners, landmark_order, search_landmarks
 from medial.matching_types import MatchConfig
 from medial.nearest import single_blas_thread
@@ -47,19 +47,20 @@ def diffusion_candidates(
 ) -> list[Candidate]:
     """Landmark sets grown from each first landmark and each of its partners (Eq. 16)."""
     middle = float(np.sqrt(times[0] * times[-1]))
-    found = []
-    for start in first_landmarks(here, middle, config, rng):
-        order = landmark_order(here, times, int(start), config.landmarks)
+
+    def from_start(start: int) -> list[Candidate]:
+        order = landmark_order(here, times, start, config.landmarks)
         with single_blas_thread():
             if config.partners == 1:
                 sets = [search_landmarks(here, there, order, config)]
             else:
-                firsts = first_partners(here, there, int(start), config, middle)
+                firsts = first_partners(here, there, start, config, middle)
                 sets = [search_landmarks(here, there, order, config, int(first)) for first in firsts]
-        for partners in sets:
-            landmarks = np.column_stack([here.samples[order], there.samples[partners]])
-            found.append(grown(here, there, landmarks, config))
-    return found
+        pairs = (np.column_stack([here.samples[order], there.samples[partners]]) for partners in sets)
+        return [grown(here, there, landmarks, config) for landmarks in pairs]
+
+    starts = first_landmarks(here, middle, config, rng)
+    return [c for found in run_tasks(from_start, [(int(start),) for start in starts]) for c in found]
 
 
 def first_landmarks(here: Side, time: float, config: MatchConfig, rng: np.random.Generator) -> Int:
@@ -85,12 +86,11 @@ def grown(here: Side, there: Side, landmarks: Int, config: MatchConfig) -> Candi
     )
 
 
-def path_candidates(here: Side, source: Cloud, target: Cloud) -> list[Candidate]:
+def path_candidates(here: Side, source: MedialPaths, target: MedialPaths) -> list[Candidate]:
     """Landmark sets that agree in medial path length."""
-    paths_here, paths_there = MedialPaths.of(source), MedialPaths.of(target)
     return [
-        _of_paths(here, paths_here, paths_there, each)
-        for each in landmark_sets(paths_here, paths_there)
+        _of_paths(here, source, target, each)
+        for each in landmark_sets(source, target)
         if (each.target != NONE).any()
     ]
 

@@ -45,12 +45,20 @@ class Exchange:
     """Exchanges settled per round."""
 
 
-def distinct(fits: list[Fit], most: int) -> list[Fit]:
-    """The best of each group of like fits, best first, at most `most`."""
+def distinct(fits: list[Fit], most: int, same: float = SAME_FIT) -> list[Fit]:
+    """The best of each group of like fits, best first, at most `most`.
+
+    Parameters
+    ----------
+    fits
+    most
+    same
+        Mean distance of the points, in sqrt(area), up to which fits are alike.
+    """
     kept: list[Fit] = []
     for fit in sorted(fits, key=lambda f: -f.score):
         gaps = (np.linalg.norm(fit.moved - other.moved, axis=1).mean() for other in kept)
-        if all(gap > SAME_FIT for gap in gaps):
+        if all(gap > same for gap in gaps):
             kept.append(fit)
         if len(kept) == most:
             break

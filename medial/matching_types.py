@@ -52,6 +52,8 @@ class MatchConfig:
     """Also try landmark sets that agree in medial path length (`medial.candidates`)."""
     selection: Literal["cost", "fit"] = "fit"
     """What picks a map: the lowest cost of Eq. 17, or how well the deformed source fits the target."""
+    both_ways: bool = True
+    """Also deform the target onto the source; the better fit wins. Only with selection ``"fit"``."""
     recombine: bool = True
     """Exchange parts between maps before one is picked; only with selection ``"fit"``."""
     refine: Literal["none", "spectral", "deform"] = "deform"
@@ -91,6 +93,7 @@ class MatchConfig:
             partners=1,
             paths=False,
             selection="cost",
+            both_ways=False,
             recombine=False,
             refine="none",
         )
@@ -128,7 +131,8 @@ class Matching:
         In [0, 1].
     restarts : dict of arrays
         One entry per landmark set: ``first`` (source point id of the first landmark), ``partner`` (its
-        target), ``paths`` (found by path length, not by Eq. 16), ``cost`` (of Eq. 17; NaN for path length),
+        target), ``paths`` (found by path length, not by Eq. 16), ``backward`` (tried by deforming the target
+        onto the source), ``cost`` (of Eq. 17, over the samples of what is deformed; NaN for path length),
         ``score`` (higher is better; what picked the set), ``chosen`` (bool).
     flip : str
         ``"kept"``, ``"flipped"`` (the mirrored counterpart was taken) or ``"undecided"``.

@@ -10,7 +10,7 @@ from medial.cloud import Cloud, farthest_order
 from medial.compiled import thread_count
 from medial.diffusion import Diffusion
 from medial.matching_deform import Attachment, NodeGraph, Pose, moved
-from medial.matching_register import Fit, Registration, Schedule, features
+from medial.matching_register import Fit, Registration, Schedule, features, found
 from medial.nearest import nearest
 from medial.sampling import diffusion_map, smallest_time
 
@@ -37,20 +37,21 @@ SPECTRAL_MODES = (20, 30, 40, 55, 70, 90, 115, 150)
 
 @dataclass(frozen=True)
 class Dense:
-    """A dense map and how well each point's match holds.
+    """A dense map and how well each point's match holds, from a deformation of either cloud.
 
     Attributes
     ----------
-    source_to_target : (n,) int64
+    match : (n,) int64
+        Point of the other cloud.
     found : (n,) float64
-        How well the deformed point met its match, in [0, 1].
+        How well the point and its match met, in [0, 1].
     alone : (n,) float64
-        Share of what came to lie at the match that was near the point before, in [0, 1].
+        Of what was deformed and came to lie where they met, the share that came from one place, in [0, 1].
     held : (n,) float64
-        How firmly the point's part of the body still holds on to the rest, in [0, 1].
+        How firmly the deformed part of the body still holds on to the rest, in [0, 1].
     """
 
-    source_to_target: Int
+    match: Int
     found: Float
     alone: Float
     held: Float
@@ -120,16 +121,32 @@ class FineDeformation:
     def dense(self, fit: Fit) -> Dense:
         """The nearest target point, in position and normal, of every deformed source point."""
         final = self._everything.judge(fit.pose)
-        held = (self.graph.held(fit.pose)[self.attachment.nodes] * self.attachment.weights).sum(axis=1)
-        return Dense(final.partner, final.found, self._alone(final), held)
-
-    def _alone(self, final: Fit) -> Float:
-        """A part that has no counterpart collapses onto another one: then strangers meet at its matches."""
-        tree = cKDTree(features(*self._everything.moved(final.pose)))
         goals = features(self.target.points[final.partner], self.target.normals[final.partner])
-        count = min(MEETING, len(goals))
-        others = tree.query(goals, k=count, workers=thread_count())[1].reshape(len(goals), count)
-        gap = np.linalg.norm(self.source.points[others] - self.source.points[:, None], axis=2)
+        alone = self._from_one_place(self._arrivals(final, goals), np.arange(len(self.source)))
+        return Dense(final.partner, final.found, alone, self._held(final))
+
+    def inverse(self, fit: Fit) -> Dense:
+        """The nearest deformed source point, in position and normal, of every target point."""
+        final = self._everything.judge(fit.pose)
+        arrived = self._arrivals(final, features(self.target.points, self.target.normals))
+        match = arrived[:, 0]
+        here, normals = self._everything.moved(fit.pose)
+        met = found(self.target.points, self.target.normals, here[match], normals[match])
+        return Dense(match, met, self._from_one_place(arrived, match), self._held(final)[match])
+
+    def _held(self, final: Fit) -> Float:
+        return (self.graph.held(final.pose)[self.attachment.nodes] * self.attachment.weights).sum(axis=1)
+
+    def _arrivals(self, final: Fit, goals: Float) -> Int:
+        """Deformed source points nearest to some goals, nearest first, (goals, MEETING)."""
+        tree = cKDTree(features(*self._everything.moved(final.pose)))
+        count = min(MEETING, len(self.source))
+        near = tree.query(goals, k=count, workers=thread_count())[1]
+        return near.reshape(len(goals), count).astype(np.int64)
+
+    def _from_one_place(self, arrived: Int, origin: Int) -> Float:
+        """A part that has no counterpart collapses onto another one: then strangers meet at its matches."""
+        gap = np.linalg.norm(self.source.points[arrived] - self.source.points[origin][:, None], axis=2)
         return np.asarray((gap < SAME_NEIGHBOURHOOD).mean(axis=1))
 
 

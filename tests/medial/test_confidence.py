@@ -1,37 +1,30 @@
 """Belief in matches."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from medial.confidence import RIVAL_TEMPERATURE, confidence_of_fit, confidence_of_residual
-from medial.matching_deform import NodeGraph, Pose, attach
+from medial.matching_deform import NodeGraph
+from medial.matching_way import Placed
 from medial.refine import Dense
-from tests.medial.posed import rest_pose
 
 COORDINATES = np.random.default_rng(0).standard_normal((120, 3)).astype(np.float32)
 GRAPH, ATTACHMENT = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
 SURE = Dense(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
-
-
-@dataclass
-class Settled:
-    pose: Pose
-    score: float
-
-
-BEST = Settled(rest_pose(GRAPH), 1.5)
+SAMPLES = np.arange(0, 120, 2)
+BEST = Placed(COORDINATES[SAMPLES].astype(float), 1.5)
 
 
 def confidence(dense, *rivals):
-    return confidence_of_fit(dense, BEST, [BEST, *rivals], ATTACHMENT)
+    return confidence_of_fit(dense, BEST, [BEST, *rivals], ATTACHMENT, SAMPLES)
 
 
-def rival(loss, nodes=slice(None)):
-    pose = rest_pose(GRAPH)
-    pose.positions[nodes] += 1.0
-    return Settled(pose, BEST.score - loss)
+def rival(loss, samples=slice(None)):
+    places = BEST.places.copy()
+    places[samples] += 1.0
+    return Placed(places, BEST.score - loss)
 
 
 def test_what_nothing_speaks_against_is_sure():
@@ -45,7 +38,7 @@ def test_each_doubt_counts(name):
 
 
 def test_doubts_multiply():
-    dense = Dense(SURE.source_to_target, np.full(120, 0.5), np.full(120, 0.8), np.full(120, 0.9))
+    dense = Dense(SURE.match, np.full(120, 0.5), np.full(120, 0.8), np.full(120, 0.9))
     assert np.allclose(confidence(dense), 0.36)
 
 
@@ -61,12 +54,12 @@ def test_a_better_score_of_a_rival_does_not_outweigh_the_choice():
 
 
 def test_a_rival_is_one_only_where_it_differs():
-    sure = confidence(SURE, rival(0.0, nodes=[0, 1]))
-    hang = attach(COORDINATES, GRAPH.coordinates)
-    share = np.where(hang.nodes <= 1, hang.weights, 0).sum(axis=1)
-    assert share.max() > 0.2
-    assert share.min() == 0
-    assert np.allclose(sure, 1 - share / 2)
+    near = COORDINATES[SAMPLES][:, 0] > 0.8
+    sure = confidence(SURE, rival(0.0, near))
+    far = COORDINATES[:, 0] < -0.8
+    assert sure[SAMPLES[near]].mean() < 0.8
+    assert sure[far].mean() > 0.9
+    assert sure.min() >= 0.5
 
 
 def test_typical_residuals_are_half_sure():

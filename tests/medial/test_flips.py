@@ -1,13 +1,12 @@
 """What is said about mirrored maps."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
 from medial.cloud import Cloud
 from medial.flips import MARGIN, RIVAL, flip_verdict
 from medial.matching_pool import Candidate
+from medial.matching_way import Placed
 
 POINTS = np.random.default_rng(0).standard_normal((50, 3))
 MIRRORED = POINTS * [-1, 1, 1]
@@ -17,17 +16,11 @@ TARGET = Cloud(
 SAME, FLIPPED = np.arange(50), np.arange(50, 100)
 
 
-@dataclass
-class Settled:
-    moved: np.ndarray
-    score: float
-
-
 def candidate(at_samples, cost, by_paths=False):
     return Candidate(np.zeros((1, 2), dtype=int), cost, by_paths, at_samples, lambda: at_samples)
 
 
-BEST = Settled(POINTS, 1.5)
+BEST = Placed(POINTS, 1.5)
 
 
 @pytest.mark.parametrize(("costs", "verdict"), [((1.0, 2.0), "kept"), ((2.0, 1.0), "flipped")])
@@ -50,5 +43,5 @@ def test_sets_found_by_path_length_have_no_say():
     ],
 )
 def test_a_rival_that_fits_as_well_leaves_it_open(loss, shift, verdict):
-    rival = Settled(POINTS + np.array([shift, 0, 0]), BEST.score - loss)
+    rival = Placed(POINTS + np.array([shift, 0, 0]), BEST.score - loss)
     assert flip_verdict(BEST, [BEST, rival], [candidate(SAME, 1.0)], TARGET) == verdict

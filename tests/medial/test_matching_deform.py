@@ -172,6 +172,25 @@ def test_system_of_the_edges_is_that_of_gauss_and_newton():
     assert np.allclose(full(system), expected, atol=1e-8)
 
 
+def test_values_spread_over_the_nodes():
+    points, _, attachment = blob(200, 12)
+    rows = np.arange(0, 200, 3)
+    assert np.allclose(attachment.spread(rows, np.full(len(rows), 0.7)), 0.7)
+    along = attachment.spread(rows, points[rows, 0])
+    assert np.corrcoef(along, points[:, 0])[0, 1] > 0.9
+    assert along.min() >= points[rows, 0].min()
+    assert along.max() <= points[rows, 0].max()
+
+
+@pytest.mark.parametrize("size", [1, 7, 60])
+def test_the_cholesky_solution_is_that_of_the_lower_triangle(size):
+    random = np.random.default_rng(size)
+    factor, right = random.standard_normal((size + 5, size)), random.standard_normal(size)
+    system = factor.T @ factor + np.eye(size)
+    found = kernels.cholesky_solve(np.tril(system) + np.triu(random.standard_normal((size, size)), 1), right)
+    assert np.allclose(found, np.linalg.solve(system, right), rtol=1e-10)
+
+
 def test_a_step_solves_the_damped_normal_equations():
     random = np.random.default_rng(0)
     factor, right = random.standard_normal((30, 12)), random.standard_normal(12)

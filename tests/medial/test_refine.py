@@ -35,7 +35,7 @@ def gaps(deformation, mapped):
 
 def test_the_rest_pose_is_the_identity(same):
     dense = same.dense(same.judge(rest_pose(same.graph)))
-    assert np.array_equal(dense.source_to_target, np.arange(len(same.source)))
+    assert np.array_equal(dense.match, np.arange(len(same.source)))
     assert np.allclose(dense.found, 1)
     assert np.allclose(dense.held, 1)
     assert dense.alone.min() > 0.9
@@ -43,14 +43,14 @@ def test_the_rest_pose_is_the_identity(same):
 
 def test_settling_keeps_the_identity(same):
     dense = same.dense(same.settle(rest_pose(same.graph)))
-    assert gaps(same, dense.source_to_target).mean() < 0.1 * spacing(same.source.points)
-    assert gaps(same, dense.source_to_target).max() < 2 * spacing(same.source.points)
+    assert gaps(same, dense.match).mean() < 0.1 * spacing(same.source.points)
+    assert gaps(same, dense.match).max() < 2 * spacing(same.source.points)
 
 
 def test_settling_follows_a_bend():
     deformation = fine(bent_figure(0.5, -0.5))
-    before = deformation.dense(deformation.judge(rest_pose(deformation.graph))).source_to_target
-    after = deformation.dense(deformation.settle(rest_pose(deformation.graph))).source_to_target
+    before = deformation.dense(deformation.judge(rest_pose(deformation.graph))).match
+    after = deformation.dense(deformation.settle(rest_pose(deformation.graph))).match
     assert gaps(deformation, before).mean() > 0.004
     assert gaps(deformation, after).mean() < gaps(deformation, before).mean() / 3
 
@@ -151,3 +151,22 @@ def test_spectral_refinement_of_two_poses():
     end = spectral_refinement(figure(), posed, start, (20, 30, 40, 55))
     before, after = (np.linalg.norm(points[m] - points, axis=1).mean() for m in (start, end))
     assert after < 0.7 * before
+
+
+def test_the_inverse_at_rest_is_the_identity(same):
+    back = same.inverse(same.judge(rest_pose(same.graph)))
+    assert np.array_equal(back.match, np.arange(len(same.target)))
+    assert np.allclose(back.found, 1)
+    assert np.allclose(back.held, 1)
+    assert back.alone.min() > 0.9
+
+
+def test_the_inverse_undoes_the_map():
+    deformation = fine(bent_figure(0.5, -0.5))
+    fit = deformation.settle(rest_pose(deformation.graph))
+    there, back = deformation.dense(fit), deformation.inverse(fit)
+    again = back.match[there.match]
+    gap = np.linalg.norm(deformation.source.points[again] - deformation.source.points, axis=1)
+    assert np.median(gap) < spacing(deformation.source.points)
+    assert np.mean(gap > 3 * spacing(deformation.source.points)) < 0.02
+    assert len(back.match) == len(deformation.target)

@@ -1,0 +1,185 @@
+"""The two ways to match a pair: deform the source onto the target, or the target onto the source.
+
+Where both clouds are partial, one of the two is often the easier problem: a limb that is there finds its way
+onto a body more easily than a body with a hole finds a limb. Each way therefore starts from its own
+candidates, the settled maps of one are handed to the other turned round, and what fits best in the end wins.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from medial.cloud import Cloud
+from medial.compiled import run_tasks
+from medial.landmarks import Side
+from medial.matching_deform import NodeGraph, Pose
+from medial.matching_pool import Candidate, diffusion_candidates, path_candidates
+from medial.matching_recombine import Exchange, distinct, recombine
+from medial.matching_register import Fit, Registration, Schedule, features
+from medial.matching_types import MatchConfig
+from medial.paths import MedialPaths
+from medial.refine import FineDeformation, neighbourhoods
+
+QUICK = Schedule()
+LIKE = 0.02
+"""Maps that put the points closer together than this, in sqrt(area), before they settle count as one."""
+EARLY = 5
+"""Rounds of closest points before like fits are merged again and the worst are dropped."""
+PROMISING = 20
+"""Distinct fits of a way that are settled to the end."""
+HANDED_OVER = (8, 2)
+"""Fits that each way hands to the other, before and after parts are exchanged."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where a fit of either way puts the samples of the pair's source.
+
+    Attributes
+    ----------
+    places : (s, 3) float64
+        On the pair's target.
+    score : float
+    """
+
+    places: NDArray[np.float64]
+    score: float
+
+    def gap(self, other: "Placed") -> float:
+        """Mean distance between two placements."""
+        return float(np.linalg.norm(self.places - other.places, axis=1).mean())
+
+
+@dataclass(frozen=True)
+class End:
+    """One of the two clouds of a pair, prepared.
+
+    Attributes
+    ----------
+    side : Side
+    cloud : Cloud
+        In the units of the pair.
+    paths : MedialPaths, optional
+        Where sets by path length are wanted.
+    """
+
+    side: Side
+    cloud: Cloud
+    paths: MedialPaths | None
+
+
+class Way:
+    """One end of a pair deformed onto the other, with few nodes, samples alone.
+
+    Parameters
+    ----------
+    source, target
+        Here: of this way, not of the pair.
+    times : (T,) float64
+        Shared by the pair.
+    config
+    """
+
+    def __init__(self, source: End, target: End, times: NDArray[np.float64], config: MatchConfig) -> None:
+        self.source, self.target, self.times, self.config = source, target, times, config
+        self.coordinates = neighbourhoods(source.side.diffusion)
+        nodes = max(2, min(config.nodes, len(source.cloud) // 4))
+        rows = source.side.samples
+        self.graph, self.attachment = NodeGraph.over(self.coordinates, source.cloud.points, rows, nodes)
+        self._quick = Registration.between(
+            self.graph, self.attachment, source.cloud, target.cloud, rows, target.side.samples
+        )
+
+    def follow(self, candidates: list[Candidate]) -> list[Fit]:
+        """Deform along each candidate; in the order given."""
+        return run_tasks(lambda c: self._quick.judge(self._along(c.at_samples)), [(c,) for c in candidates])
+
+    def settle(self, followed: list[Fit]) -> list[Fit]:
+        """Settle the distinct ones for some rounds, and the promising of these to the end."""
+        few = [(fit.pose, QUICK, 0, EARLY) for fit in distinct(followed, len(followed), LIKE)]
+        begun = run_tasks(self._quick.settle, few)
+        rest = [(fit.pose, QUICK, EARLY) for fit in distinct(begun, PROMISING)]
+        return run_tasks(self._quick.settle, rest)
+
+    def exchange(self, fits: list[Fit]) -> list[Fit]:
+        """Distinct fits, best first, after parts were exchanged between them if that is wanted."""
+        rule = Exchange()
+        return recombine(self._quick, fits, rule) if self.config.recombine else distinct(fits, rule.donors)
+
+    def turned(self, other: "Way", fits: list[Fit]) -> list[Fit]:
+        """Fits of the other way turned round: this source goes where the other's deformation meets it."""
+        return run_tasks(lambda fit: self._turned(other, fit), [(fit,) for fit in fits])
+
+    def _turned(self, other: "Way", fit: Fit) -> Fit:
+        return self._quick.settle(self._along(other.reaching(fit)), QUICK)
+
+    def _along(self, goal: NDArray[np.int64]) -> Pose:
+        cloud = self.target.cloud
+        return self._quick.follow(cloud.points[goal], cloud.normals[goal], QUICK)
+
+    def reaching(self, fit: Fit) -> NDArray[np.int64]:
+        """The source sample that comes nearest to each sample of the target, as source point ids."""
+        samples, cloud = self.target.side.samples, self.target.cloud
+        tree = cKDTree(features(*self._quick.moved(fit.pose)))
+        near = tree.query(features(cloud.points[samples], cloud.normals[samples]))[1]
+        return self.source.side.samples[near]
+
+    def placed(self, fit: Fit, backward: bool) -> Placed:
+        """Where a fit puts the samples of the pair's source; of the way back, by the nearest sample."""
+        places = self.source.cloud.points[self.reaching(fit)] if backward else fit.moved
+        return Placed(places, fit.score)
+
+    def fine(self, nodes: int) -> FineDeformation:
+        """Fine deformations the same way."""
+        return FineDeformation(
+            self.source.cloud, self.target.cloud, self.coordinates, self.source.side.samples, nodes
+        )
+
+
+def candidates(ways: list[Way], rngs: list[np.random.Generator]) -> list[list[Candidate]]:
+    """Landmark sets and their maps, for each way."""
+    found = [
+        diffusion_candidates(way.source.side, way.target.side, way.times, way.config, rng)
+        for way, rng in zip(ways, rngs, strict=False)
+    ]
+    by_length = run_tasks(_by_length, [(way,) for way in ways])
+    return [one + other for one, other in zip(found, by_length, strict=True)]
+
+
+def _by_length(way: Way) -> list[Candidate]:
+    here, there = way.source, way.target
+    if here.paths is None or there.paths is None:
+        return []
+    return path_candidates(here.side, here.paths, there.paths)
+
+
+def search(ways: list[Way], followed: list[list[Fit]]) -> list[list[Fit]]:
+    """Settle, hand fits from way to way, exchange parts.
+
+    Parameters
+    ----------
+    ways
+        One or two.
+    followed
+        Candidates of each way, followed.
+
+    Returns
+    -------
+    list of list of Fit
+        Of each way: distinct fits, best first.
+    """
+    first, last = HANDED_OVER
+    fits = [way.settle(each) for way, each in zip(ways, followed, strict=True)]
+    fits = _handed_over(ways, fits, first)
+    fits = [way.exchange(each) for way, each in zip(ways, fits, strict=True)]
+    return [distinct(each, len(each)) for each in _handed_over(ways, fits, last)]
+
+
+def _handed_over(ways: list[Way], fits: list[list[Fit]], most: int) -> list[list[Fit]]:
+    """The fits of each way and the best of the other one, turned round."""
+    if len(ways) == 1:
+        return fits
+    (there, back), (out, home) = ways, (distinct(each, most) for each in fits)
+    return [fits[0] + there.turned(back, home), fits[1] + back.turned(there, out)]

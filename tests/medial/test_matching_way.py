@@ -1,0 +1,89 @@
+"""Both ways to match a pair, and what they tell each other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from medial import match
+from medial.matching import Pair
+from medial.matching_way import Placed, search
+from tests.medial.posed import bent_figure, figure
+from tests.medial.test_default_matching import BENT, SMALL, errors, other_sample, truth  # noqa: F401
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return Pair(figure(), bent_figure(*BENT), SMALL, 0)
+
+
+@pytest.fixture(scope="module")
+def found(pair):
+    """Each way from one true landmark set, the other one's landmarks turned round."""
+    landmarks = np.repeat(np.linspace(0, len(figure()) - 1, 7).astype(np.int64)[:, None], 2, axis=1)
+    followed = [way.follow(c) for way, c in zip(pair.ways, pair.given(landmarks), strict=True)]
+    return search(pair.ways, followed)
+
+
+def true_places(pair):
+    return pair.ends[1].cloud.points[pair.ends[0].side.samples]  # target points have the source's order
+
+
+def test_both_ways_find_the_same_map(pair, found):
+    for k, (way, fits) in enumerate(zip(pair.ways, found, strict=True)):
+        places = way.placed(fits[0], backward=k == 1).places
+        assert np.linalg.norm(places - true_places(pair), axis=1).mean() < 0.03
+
+
+def test_a_fit_turned_round_is_the_same_map(pair, found):
+    there, back = pair.ways
+    turned = back.turned(there, found[0][:1])[0]
+    assert back.placed(turned, backward=True).gap(there.placed(found[0][0], backward=False)) < 0.03
+
+
+def test_a_way_without_good_candidates_learns_from_the_other(pair, found):
+    there, back = pair.ways
+    lost = np.zeros(len(pair.ends[1].side.samples), dtype=np.int64)  # everything to one point
+    nothing = replace(pair.given(np.zeros((1, 2), dtype=np.int64))[1][0], at_samples=lost)
+    alone = back.settle(back.follow([nothing]))[0]
+    told = search(pair.ways, [there.follow(pair.given(np.array([[0, 0]]))[0]), back.follow([nothing])])
+    truth_score = found[1][0].score
+    assert alone.score < truth_score - 0.3
+    assert told[1][0].score > alone.score
+
+
+def test_without_another_way_nothing_is_handed_over():
+    pair = Pair(figure(), bent_figure(*BENT), replace(SMALL, both_ways=False), 0)
+    assert len(pair.ways) == 1
+    fits = search(pair.ways, [pair.ways[0].follow(pair.given(np.array([[0, 0], [300, 300]]))[0])])
+    assert len(fits) == 1
+
+
+def test_the_gap_of_placements_is_their_mean_distance():
+    here = Placed(np.zeros((4, 3)), 1.0)
+    there = Placed(np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 1.0]]), 1.0)
+    assert here.gap(there) == 1.0
+    assert there.gap(here) == 1.0
+
+
+def test_the_table_of_restarts_says_which_way():
+    target = bent_figure(*BENT)
+    both, one = match(figure(), target, SMALL), match(figure(), target, replace(SMALL, both_ways=False))
+    assert both.restarts["backward"].any()
+    assert not both.restarts["backward"].all()
+    assert not one.restarts["backward"].any()
+    for column in ("first", "partner"):  # of the pair's source, and of its target
+        forth = ~both.restarts["backward"]
+        assert np.array_equal(both.restarts[column][forth], one.restarts[column])
+
+
+def test_roles_may_be_swapped(truth):  # noqa: F811
+    """What one direction finds the other one finds too."""
+    target = other_sample(lambda points: points[:, 0] < 0.35)
+    there, back = match(figure(), target, SMALL), match(target, figure(), SMALL)
+    kept = figure().points[:, 0] < 0.3
+    assert errors(there, target, truth)[kept].mean() < 0.03
+    again = there.source_to_target[back.source_to_target]  # to the figure and back to the target
+    unit = np.sqrt(figure().areas.sum())
+    gap = np.linalg.norm(target.points[again] - target.points, axis=1) / unit
+    assert np.median(gap) < 0.03
