@@ -21,7 +21,7 @@ from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
 from medial.flips import flip_verdict
 from medial.landmarks import extend, prepare, shared_times
-from medial.matching_pool import Candidate, diffusion_candidates, grown
+from medial.matching_pool import Candidate, diffusion_sets, grown
 from medial.matching_register import Fit
 from medial.matching_types import MatchConfig, Matching
 from medial.matching_way import End, Placed, Way, candidates, search
@@ -66,8 +66,9 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
         rngs = [np.random.default_rng([seed, 2]), np.random.default_rng([seed, 3])]
         if config.selection == "fit":
             return pair.by_fit(candidates(pair.ways, rngs))
-        here, there = pair.ends
-        return pair.by_cost(diffusion_candidates(here.side, there.side, pair.times, config, rngs[0]))
+        here, there = (end.side for end in pair.ends)
+        sets = diffusion_sets(here, there, pair.times, config, rngs[0])
+        return pair.by_cost([grown(here, there, pairs, config) for pairs in sets])
 
 
 def extrapolate(

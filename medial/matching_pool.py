@@ -42,13 +42,13 @@ class Candidate:
     dense: Callable[[], Int]
 
 
-def diffusion_candidates(
+def diffusion_sets(
     here: Side, there: Side, times: NDArray[np.float64], config: MatchConfig, rng: np.random.Generator
-) -> list[Candidate]:
-    """Landmark sets grown from each first landmark and each of its partners (Eq. 16)."""
+) -> list[Int]:
+    """Landmark sets from each first landmark and each of its partners (Eq. 16), (L, 2) point ids each."""
     middle = float(np.sqrt(times[0] * times[-1]))
 
-    def from_start(start: int) -> list[Candidate]:
+    def from_start(start: int) -> list[Int]:
         order = landmark_order(here, times, start, config.landmarks)
         with single_blas_thread():
             if config.partners == 1:
@@ -56,11 +56,10 @@ def diffusion_candidates(
             else:
                 firsts = first_partners(here, there, start, config, middle)
                 sets = [search_landmarks(here, there, order, config, int(first)) for first in firsts]
-        pairs = (np.column_stack([here.samples[order], there.samples[partners]]) for partners in sets)
-        return [grown(here, there, landmarks, config) for landmarks in pairs]
+        return [np.column_stack([here.samples[order], there.samples[partners]]) for partners in sets]
 
     starts = first_landmarks(here, middle, config, rng)
-    return [c for found in run_tasks(from_start, [(int(start),) for start in starts]) for c in found]
+    return [one for found in run_tasks(from_start, [(int(start),) for start in starts]) for one in found]
 
 
 def first_landmarks(here: Side, time: float, config: MatchConfig, rng: np.random.Generator) -> Int:
@@ -86,18 +85,15 @@ def grown(here: Side, there: Side, landmarks: Int, config: MatchConfig) -> Candi
     )
 
 
-def path_candidates(here: Side, source: MedialPaths, target: MedialPaths) -> list[Candidate]:
-    """Landmark sets that agree in medial path length."""
-    return [
-        _of_paths(here, source, target, each)
-        for each in landmark_sets(source, target)
-        if (each.target != NONE).any()
-    ]
+def path_sets(source: MedialPaths, target: MedialPaths) -> list[LandmarkSet]:
+    """Landmark sets that agree in medial path length; node numbers, no landmark without partner."""
+    known = ((found, found.target != NONE) for found in landmark_sets(source, target))
+    return [LandmarkSet(s.source[some], s.target[some], s.cost) for s, some in known if some.any()]
 
 
-def _of_paths(here: Side, source: MedialPaths, target: MedialPaths, landmarks: LandmarkSet) -> Candidate:
-    known = landmarks.target != NONE
+def grown_by_paths(here: Side, source: MedialPaths, target: MedialPaths, landmarks: LandmarkSet) -> Candidate:
+    """The candidate that path lengths make of landmarks."""
     node = spread(source, target, landmarks.source, landmarks.target)
     dense = target.nodes[node][source.nearest]
-    pairs = np.column_stack([source.nodes[landmarks.source[known]], target.nodes[landmarks.target[known]]])
+    pairs = np.column_stack([source.nodes[landmarks.source], target.nodes[landmarks.target]])
     return Candidate(pairs, float("nan"), True, dense[here.samples], lambda: dense)

@@ -5,17 +5,18 @@ onto a body more easily than a body with a hole finds a limb. Each way therefore
 candidates, the settled maps of one are handed to the other turned round, and what fits best in the end wins.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from medial.cloud import Cloud
+from medial.candidates import LandmarkSet
+from medial.cloud import Cloud, Int
 from medial.compiled import run_tasks
 from medial.landmarks import Side
 from medial.matching_deform import NodeGraph, Pose
-from medial.matching_pool import Candidate, diffusion_candidates, path_candidates
+from medial.matching_pool import Candidate, diffusion_sets, grown, grown_by_paths, path_sets
 from medial.matching_recombine import Exchange, distinct, recombine
 from medial.matching_register import Fit, Registration, Schedule, features
 from medial.matching_types import MatchConfig
@@ -92,6 +93,22 @@ class Way:
             self.graph, self.attachment, source.cloud, target.cloud, rows, target.side.samples
         )
 
+    def grown(self, sets: list[Int], by_length: list[LandmarkSet], turned: bool) -> list[Candidate]:
+        """The candidates that landmark sets make; turned: the sets are those of the other way."""
+        here, there = self.source, self.target
+
+        def spread(pairs: Int) -> Candidate:
+            return grown(here.side, there.side, pairs[:, ::-1] if turned else pairs, self.config)
+
+        def by_paths(landmarks: LandmarkSet) -> Candidate:
+            assert here.paths is not None
+            assert there.paths is not None
+            if turned:
+                landmarks = LandmarkSet(landmarks.target, landmarks.source, landmarks.cost)
+            return grown_by_paths(here.side, here.paths, there.paths, landmarks)
+
+        return run_tasks(spread, [(s,) for s in sets]) + run_tasks(by_paths, [(s,) for s in by_length])
+
     def follow(self, candidates: list[Candidate]) -> list[Fit]:
         """Deform along each candidate; in the order given."""
         return run_tasks(lambda c: self._quick.judge(self._along(c.at_samples)), [(c,) for c in candidates])
@@ -115,11 +132,11 @@ class Way:
     def _turned(self, other: "Way", fit: Fit) -> Fit:
         return self._quick.settle(self._along(other.reaching(fit)), QUICK)
 
-    def _along(self, goal: NDArray[np.int64]) -> Pose:
+    def _along(self, goal: Int) -> Pose:
         cloud = self.target.cloud
         return self._quick.follow(cloud.points[goal], cloud.normals[goal], QUICK)
 
-    def reaching(self, fit: Fit) -> NDArray[np.int64]:
+    def reaching(self, fit: Fit) -> Int:
         """The source sample that comes nearest to each sample of the target, as source point ids."""
         samples, cloud = self.target.side.samples, self.target.cloud
         tree = cKDTree(features(*self._quick.moved(fit.pose)))
@@ -139,20 +156,24 @@ class Way:
 
 
 def candidates(ways: list[Way], rngs: list[np.random.Generator]) -> list[list[Candidate]]:
-    """Landmark sets and their maps, for each way."""
-    found = [
-        diffusion_candidates(way.source.side, way.target.side, way.times, way.config, rng)
-        for way, rng in zip(ways, rngs, strict=False)
-    ]
-    by_length = run_tasks(_by_length, [(way,) for way in ways])
-    return [one + other for one, other in zip(found, by_length, strict=True)]
+    """Landmark sets and their maps, for each way: every set is tried both ways.
 
-
-def _by_length(way: Way) -> list[Candidate]:
-    here, there = way.source, way.target
-    if here.paths is None or there.paths is None:
-        return []
-    return path_candidates(here.side, here.paths, there.paths)
+    With two ways, half of the first landmarks are taken from either cloud.
+    """
+    way, config = ways[0], ways[0].config
+    if len(ways) == 1:
+        sets = diffusion_sets(way.source.side, way.target.side, way.times, config, rngs[0])
+    else:
+        half = replace(config, restarts=config.restarts // 2)
+        more = replace(config, restarts=config.restarts - half.restarts)
+        sets = diffusion_sets(way.source.side, way.target.side, way.times, more, rngs[0])
+        if config.restarts > 1:
+            back = diffusion_sets(way.target.side, way.source.side, way.times, half, rngs[1])
+            sets += [pairs[:, ::-1] for pairs in back]
+    by_length = []
+    if way.source.paths is not None and way.target.paths is not None:
+        by_length = path_sets(way.source.paths, way.target.paths)
+    return [each.grown(sets, by_length, turned=k == 1) for k, each in enumerate(ways)]
 
 
 def search(ways: list[Way], followed: list[list[Fit]]) -> list[list[Fit]]:
