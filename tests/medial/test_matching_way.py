@@ -72,9 +72,9 @@ def test_the_table_of_restarts_says_which_way():
     assert both.restarts["backward"].any()
     assert not both.restarts["backward"].all()
     assert not one.restarts["backward"].any()
-    for column in ("first", "partner"):  # of the pair's source, and of its target
-        forth = ~both.restarts["backward"]
-        assert np.array_equal(both.restarts[column][forth], one.restarts[column])
+    back = both.restarts["backward"]
+    for column in ("first", "partner"):  # every set is tried both ways
+        assert np.array_equal(both.restarts[column][back], both.restarts[column][~back])
 
 
 def test_roles_may_be_swapped(truth):  # noqa: F811
