@@ -102,11 +102,11 @@ def extrapolate(
             )
     with single_blas_thread():
         pair = Pair(source, target, config, seed)
-        found = (
-            pair.by_fit(pair.given(pairs))
-            if config.selection == "fit"
-            else pair.by_cost(pair.given(pairs)[0])
-        )
+        if config.selection == "fit":
+            found = pair.by_fit(pair.given(pairs))
+        else:
+            here, there = (end.side for end in pair.ends)
+            found = pair.by_cost([grown(here, there, pairs, config)])
     return replace(found, landmarks=pairs)
 
 
@@ -146,9 +146,7 @@ class Pair:
 
     def given(self, landmarks: NDArray[np.int64]) -> list[list[Candidate]]:
         """The candidate that given landmarks (L, 2) make, for each way."""
-        (here, there), config = self.ends, self.config
-        forth = grown(here.side, there.side, landmarks, config)
-        return [[forth], [grown(there.side, here.side, landmarks[:, ::-1], config)]]
+        return [way.grown([landmarks], [], turned=k == 1) for k, way in enumerate(self.ways)]
 
     def by_cost(self, candidates: list[Candidate]) -> Matching:
         """The candidate of the lowest cost of Eq. 17, spread to all points (Sec. 4)."""
@@ -172,7 +170,6 @@ class Pair:
             Of each way.
         """
         ways, config = self.ways, self.config
-        candidates = candidates[: len(ways)]
         followed = [way.follow(each) for way, each in zip(ways, candidates, strict=True)]
         pools = search(ways, followed)
         best, dense = self._finish(pools)
