@@ -8,8 +8,10 @@ With `MatchConfig.paper()` this is Sec. 4 as written. By default
 4. the best are deformed finely; points of the two clouds that come to lie together are matches.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,14 +23,18 @@ from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
 from medial.flips import flip_verdict
 from medial.landmarks import extend, prepare, shared_times
-from medial.matching_pool import Candidate, diffusion_sets, grown
+from medial.matching_pool import Candidate, diffusion_sets, first_landmarks, grown, middle_time
 from medial.matching_register import Fit
 from medial.matching_types import MatchConfig, Matching
-from medial.matching_way import End, Placed, Way, candidates, search
+from medial.matching_way import End, Placed, Sets, Way, search
 from medial.nearest import single_blas_thread
 from medial.paths import MedialPaths
 from medial.refine import Dense, spectral_refinement
 
+T = TypeVar("T")
+
+ENOUGH = 1.35
+"""Share of the source that is found plus share of the target, at which no further landmark sets are tried."""
 ADOPTED = (0.25, 8)
 """Fits whose score is within this of the best are looked at with fine nodes, at most so many."""
 FINALIST = 0.2
@@ -65,9 +71,11 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
         pair = Pair(source, target, config, seed)
         rngs = [np.random.default_rng([seed, 2]), np.random.default_rng([seed, 3])]
         if config.selection == "fit":
-            return pair.by_fit(candidates(pair.ways, rngs))
+            draw = Sets(pair.ways, rngs)
+            return pair.by_fit(draw.first(), draw.more if config.both_ways else None)
         here, there = (end.side for end in pair.ends)
-        sets = diffusion_sets(here, there, pair.times, config, rngs[0])
+        starts = first_landmarks(here, middle_time(pair.times), config, rngs[0])
+        sets = diffusion_sets(here, there, pair.times, config, starts)
         return pair.by_cost([grown(here, there, pairs, config) for pairs in sets])
 
 
@@ -161,17 +169,25 @@ class Pair:
             mapped = spectral_refinement(*self.diffusions, mapped)
         return self._matching(mapped, confidence, [candidates], -costs, chosen, "undecided")
 
-    def by_fit(self, candidates: list[list[Candidate]]) -> Matching:
+    def by_fit(
+        self, candidates: list[list[Candidate]], more: Callable[[], list[list[Candidate]]] | None = None
+    ) -> Matching:
         """The candidate, or the combination of candidates, along which the clouds deform best.
 
         Parameters
         ----------
         candidates
             Of each way.
+        more
+            Further ones, for when none of the first makes most of both surfaces meet.
         """
         ways, config = self.ways, self.config
-        followed = [way.follow(each) for way, each in zip(ways, candidates, strict=True)]
-        pools = search(ways, followed)
+        followed, settled = self._tried(candidates)
+        if more is not None and max(fit.seen for fits in settled for fit in fits) < ENOUGH:
+            others = more()
+            candidates, before = _joined(candidates, others), (followed, settled)
+            followed, settled = (_joined(a, b) for a, b in zip(before, self._tried(others), strict=True))
+        pools = search(ways, settled)
         best, dense = self._finish(pools)
         starts, pool = self._placed(followed), self._placed(pools)
         at = self._placed_one(*best)
@@ -185,6 +201,11 @@ class Pair:
         flip = flip_verdict(at, pool, candidates[0], self.ends[1].cloud)
         scores = np.array([start.score for start in starts])
         return self._matching(mapped, confidence, candidates, scores, int(gaps.argmin()), flip)
+
+    def _tried(self, candidates: list[list[Candidate]]) -> tuple[list[list[Fit]], list[list[Fit]]]:
+        """Of each way: the candidates, followed, and what the distinct ones settle to."""
+        followed = [way.follow(each) for way, each in zip(self.ways, candidates, strict=True)]
+        return followed, [way.settle(each) for way, each in zip(self.ways, followed, strict=True)]
 
     def _placed(self, fits: list[list[Fit]]) -> list[Placed]:
         return run_tasks(self._placed_one, [(k, fit) for k, each in enumerate(fits) for fit in each])
@@ -260,3 +281,7 @@ class Pair:
             seed=self.seed,
             config=self.config,
         )
+
+
+def _joined(first: list[list[T]], second: list[list[T]]) -> list[list[T]]:
+    return [a + b for a, b in zip(first, second, strict=True)]

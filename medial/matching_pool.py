@@ -43,10 +43,10 @@ class Candidate:
 
 
 def diffusion_sets(
-    here: Side, there: Side, times: NDArray[np.float64], config: MatchConfig, rng: np.random.Generator
+    here: Side, there: Side, times: NDArray[np.float64], config: MatchConfig, starts: Int
 ) -> list[Int]:
-    """Landmark sets from each first landmark and each of its partners (Eq. 16), (L, 2) point ids each."""
-    middle = float(np.sqrt(times[0] * times[-1]))
+    """Landmark sets from first landmarks and each of their partners (Eq. 16), (L, 2) point ids each."""
+    middle = middle_time(times)
 
     def from_start(start: int) -> list[Int]:
         order = landmark_order(here, times, start, config.landmarks)
@@ -58,8 +58,12 @@ def diffusion_sets(
                 sets = [search_landmarks(here, there, order, config, int(first)) for first in firsts]
         return [np.column_stack([here.samples[order], there.samples[partners]]) for partners in sets]
 
-    starts = first_landmarks(here, middle, config, rng)
     return [one for found in run_tasks(from_start, [(int(start),) for start in starts]) for one in found]
+
+
+def middle_time(times: NDArray[np.float64]) -> float:
+    """The middle of logarithmic times."""
+    return float(np.sqrt(times[0] * times[-1]))
 
 
 def first_landmarks(here: Side, time: float, config: MatchConfig, rng: np.random.Generator) -> Int:

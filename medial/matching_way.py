@@ -5,7 +5,7 @@ onto a body more easily than a body with a hole finds a limb. Each way therefore
 candidates, the settled maps of one are handed to the other turned round, and what fits best in the end wins.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,15 @@ from medial.cloud import Cloud, Int
 from medial.compiled import run_tasks
 from medial.landmarks import Side
 from medial.matching_deform import NodeGraph, Pose
-from medial.matching_pool import Candidate, diffusion_sets, grown, grown_by_paths, path_sets
+from medial.matching_pool import (
+    Candidate,
+    diffusion_sets,
+    first_landmarks,
+    grown,
+    grown_by_paths,
+    middle_time,
+    path_sets,
+)
 from medial.matching_recombine import Exchange, distinct, recombine
 from medial.matching_register import Fit, Registration, Schedule, features
 from medial.matching_types import MatchConfig
@@ -93,6 +101,12 @@ class Way:
             self.graph, self.attachment, source.cloud, target.cloud, rows, target.side.samples
         )
 
+    def sets_by_length(self) -> list[LandmarkSet]:
+        """Landmark sets that agree in path length, where those are wanted."""
+        if self.source.paths is None or self.target.paths is None:
+            return []
+        return path_sets(self.source.paths, self.target.paths)
+
     def grown(self, sets: list[Int], by_length: list[LandmarkSet], turned: bool) -> list[Candidate]:
         """The candidates that landmark sets make; turned: the sets are those of the other way."""
         here, there = self.source, self.target
@@ -155,36 +169,58 @@ class Way:
         )
 
 
-def candidates(ways: list[Way], rngs: list[np.random.Generator]) -> list[list[Candidate]]:
-    """Landmark sets and their maps, for each way: every set is tried both ways.
+class Sets:
+    """Landmark sets of a pair, in two helpings: what every pair needs, and more for the hard ones.
 
-    With two ways, half of the first landmarks are taken from either cloud.
-    """
-    way, config = ways[0], ways[0].config
-    if len(ways) == 1:
-        sets = diffusion_sets(way.source.side, way.target.side, way.times, config, rngs[0])
-    else:
-        half = replace(config, restarts=config.restarts // 2)
-        more = replace(config, restarts=config.restarts - half.restarts)
-        sets = diffusion_sets(way.source.side, way.target.side, way.times, more, rngs[0])
-        if config.restarts > 1:
-            back = diffusion_sets(way.target.side, way.source.side, way.times, half, rngs[1])
-            sets += [pairs[:, ::-1] for pairs in back]
-    by_length = []
-    if way.source.paths is not None and way.target.paths is not None:
-        by_length = path_sets(way.source.paths, way.target.paths)
-    return [each.grown(sets, by_length, turned=k == 1) for k, each in enumerate(ways)]
-
-
-def search(ways: list[Way], followed: list[list[Fit]]) -> list[list[Fit]]:
-    """Settle, hand fits from way to way, exchange parts.
+    The first helping takes half of the first landmarks from either cloud, and tries every set both ways. With
+    one way there is one helping, of all landmarks of the source.
 
     Parameters
     ----------
     ways
         One or two.
-    followed
-        Candidates of each way, followed.
+    rngs
+        For the source and the target.
+    """
+
+    def __init__(self, ways: list[Way], rngs: list[np.random.Generator]) -> None:
+        self.ways = ways
+        time, config = middle_time(ways[0].times), ways[0].config
+        self._starts = [
+            first_landmarks(way.source.side, time, config, rng) for way, rng in zip(ways, rngs, strict=False)
+        ]
+        self._half = -(-len(self._starts[0]) // len(ways))
+
+    def first(self) -> list[list[Candidate]]:
+        """Candidates of each way."""
+        sets = self._grown(0, slice(self._half))
+        if len(self.ways) == 2:
+            sets += [pairs[:, ::-1] for pairs in self._grown(1, slice(self._half))]
+        by_length = self.ways[0].sets_by_length()
+        return [way.grown(sets, by_length, turned=k == 1) for k, way in enumerate(self.ways)]
+
+    def more(self) -> list[list[Candidate]]:
+        """Further candidates of each way: from the other half of its first landmarks, and the way back."""
+        found = []
+        for k, way in enumerate(self.ways):
+            by_length = way.sets_by_length() if k == 1 else []
+            found.append(way.grown(self._grown(k, slice(self._half, None)), by_length, turned=False))
+        return found
+
+    def _grown(self, k: int, some: slice) -> list[Int]:
+        way, starts = self.ways[k], self._starts[k][some]
+        return diffusion_sets(way.source.side, way.target.side, way.times, way.config, starts)
+
+
+def search(ways: list[Way], fits: list[list[Fit]]) -> list[list[Fit]]:
+    """Hand settled fits from way to way and exchange parts.
+
+    Parameters
+    ----------
+    ways
+        One or two.
+    fits
+        Settled fits of each way.
 
     Returns
     -------
@@ -192,7 +228,6 @@ def search(ways: list[Way], followed: list[list[Fit]]) -> list[list[Fit]]:
         Of each way: distinct fits, best first.
     """
     first, last = HANDED_OVER
-    fits = [way.settle(each) for way, each in zip(ways, followed, strict=True)]
     fits = _handed_over(ways, fits, first)
     fits = [way.exchange(each) for way, each in zip(ways, fits, strict=True)]
     return [distinct(each, len(each)) for each in _handed_over(ways, fits, last)]

@@ -21,8 +21,11 @@ def pair():
 def found(pair):
     """Each way from one true landmark set, the other one's landmarks turned round."""
     landmarks = np.repeat(np.linspace(0, len(figure()) - 1, 7).astype(np.int64)[:, None], 2, axis=1)
-    followed = [way.follow(c) for way, c in zip(pair.ways, pair.given(landmarks), strict=True)]
-    return search(pair.ways, followed)
+    return search(pair.ways, settled(pair, landmarks))
+
+
+def settled(pair, landmarks):
+    return [w.settle(w.follow(c)) for w, c in zip(pair.ways, pair.given(landmarks), strict=True)]
 
 
 def true_places(pair):
@@ -46,7 +49,8 @@ def test_a_way_without_good_candidates_learns_from_the_other(pair, found):
     lost = np.zeros(len(pair.ends[1].side.samples), dtype=np.int64)  # everything to one point
     nothing = replace(pair.given(np.zeros((1, 2), dtype=np.int64))[1][0], at_samples=lost)
     alone = back.settle(back.follow([nothing]))[0]
-    told = search(pair.ways, [there.follow(pair.given(np.array([[0, 0]]))[0]), back.follow([nothing])])
+    known = there.settle(there.follow(pair.given(np.array([[0, 0]]))[0]))
+    told = search(pair.ways, [known, [alone]])
     truth_score = found[1][0].score
     assert alone.score < truth_score - 0.3
     assert told[1][0].score > alone.score
@@ -55,7 +59,7 @@ def test_a_way_without_good_candidates_learns_from_the_other(pair, found):
 def test_without_another_way_nothing_is_handed_over():
     pair = Pair(figure(), bent_figure(*BENT), replace(SMALL, both_ways=False), 0)
     assert len(pair.ways) == 1
-    fits = search(pair.ways, [pair.ways[0].follow(pair.given(np.array([[0, 0], [300, 300]]))[0])])
+    fits = search(pair.ways, settled(pair, np.array([[0, 0], [300, 300]])))
     assert len(fits) == 1
 
 
