@@ -7,7 +7,7 @@ import pytest
 
 from medial import match
 from medial.matching import Pair
-from medial.matching_way import Placed, search
+from medial.matching_way import Placed, Sets, search
 from tests.medial.posed import bent_figure, figure
 from tests.medial.test_default_matching import BENT, SMALL, errors, other_sample, truth  # noqa: F401
 
@@ -61,6 +61,25 @@ def test_without_another_way_nothing_is_handed_over():
     assert len(pair.ways) == 1
     fits = search(pair.ways, settled(pair, np.array([[0, 0], [300, 300]])))
     assert len(fits) == 1
+
+
+def test_the_second_helping_takes_the_first_landmarks_that_are_left(pair):
+    draw = Sets(pair.ways, [np.random.default_rng(k) for k in (0, 1)])
+    first, more = ([c for c in found[0] if not c.by_paths] for found in (draw.first(), draw.more()))
+    after = {int(c.landmarks[0, 0]) for c in more}
+    assert len(after) == SMALL.restarts // 2
+    assert int(first[0].landmarks[0, 0]) not in after
+
+
+@pytest.mark.parametrize(("enough", "helpings"), [(0.0, 1), (2.0, 2)])
+def test_more_sets_are_tried_only_where_the_first_do_not_do(monkeypatch, enough, helpings):
+    monkeypatch.setattr("medial.matching.ENOUGH", enough)
+    found = match(figure(), bent_figure(*BENT), SMALL)
+    sets = Sets(
+        Pair(figure(), bent_figure(*BENT), SMALL, 0).ways, [np.random.default_rng([0, k]) for k in (2, 3)]
+    )
+    count = sum(map(len, sets.first())) + (sum(map(len, sets.more())) if helpings == 2 else 0)
+    assert len(found.restarts["cost"]) == count
 
 
 def test_the_gap_of_placements_is_their_mean_distance():
