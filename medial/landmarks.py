@@ -81,6 +81,11 @@ def shared_times(source: Diffusion, target: Diffusion, config: MatchConfig) -> N
     return np.geomspace(shortest, longest, config.times)
 
 
+def middle_time(times: NDArray[np.float64]) -> float:
+    """The middle of logarithmic times."""
+    return float(np.sqrt(times[0] * times[-1]))
+
+
 def prepare(
     diffusion: Diffusion, times: NDArray[np.float64], config: MatchConfig, rng: np.random.Generator
 ) -> Side:
@@ -95,7 +100,7 @@ def prepare(
 
 def landmark_order(side: Side, times: NDArray[np.float64], start: int, count: int) -> NDArray[np.int64]:
     """Positions in `side.samples` of samples far apart in the diffusion map at the middle time, (count,)."""
-    embedding = diffusion_map(side.diffusion, float(np.sqrt(times[0] * times[-1])))[side.samples]
+    embedding = diffusion_map(side.diffusion, middle_time(times))[side.samples]
     return farthest_points(embedding, count, start)
 
 

@@ -72,7 +72,7 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
         rngs = [np.random.default_rng([seed, 2]), np.random.default_rng([seed, 3])]
         if config.selection == "fit":
             draw = Sets(pair.ways, rngs)
-            return pair.by_fit(draw.first(), draw.more if config.both_ways else None)
+            return pair.by_fit(draw.first(), draw.more)
         here, there = (end.side for end in pair.ends)
         starts = first_landmarks(here, middle_time(pair.times), config, rngs[0])
         sets = diffusion_sets(here, there, pair.times, config, starts)
@@ -149,12 +149,12 @@ class Pair:
         """The source onto the target and, if both are wanted, the target onto the source."""
         here, there = self.ends
         both = self.config.both_ways and self.config.selection == "fit"
-        wanted = [(here, there), (there, here)] if both else [(here, there)]
-        return run_tasks(lambda a, b: Way(a, b, self.times, self.config), wanted)
+        wanted = [(here, there, False), (there, here, True)][: 2 if both else 1]
+        return run_tasks(lambda a, b, backward: Way(a, b, self.times, self.config, backward), wanted)
 
     def given(self, landmarks: NDArray[np.int64]) -> list[list[Candidate]]:
         """The candidate that given landmarks (L, 2) make, for each way."""
-        return [way.grown([landmarks], [], turned=k == 1) for k, way in enumerate(self.ways)]
+        return [way.grown([landmarks], []) for way in self.ways]
 
     def by_cost(self, candidates: list[Candidate]) -> Matching:
         """The candidate of the lowest cost of Eq. 17, spread to all points (Sec. 4)."""
@@ -188,9 +188,9 @@ class Pair:
             candidates, before = _joined(candidates, others), (followed, settled)
             followed, settled = (_joined(a, b) for a, b in zip(before, self._tried(others), strict=True))
         pools = search(ways, settled)
-        best, dense = self._finish(pools)
+        (way, best), dense = self._finish(pools)
         starts, pool = self._placed(followed), self._placed(pools)
-        at = self._placed_one(*best)
+        at = way.placed(best)
         gaps = np.array([at.gap(start) for start in starts])
         mapped = dense.match
         if config.refine != "deform" and not config.recombine:
@@ -208,32 +208,30 @@ class Pair:
         return followed, [way.settle(each) for way, each in zip(self.ways, followed, strict=True)]
 
     def _placed(self, fits: list[list[Fit]]) -> list[Placed]:
-        return run_tasks(self._placed_one, [(k, fit) for k, each in enumerate(fits) for fit in each])
+        tasks = [(way, fit) for way, each in zip(self.ways, fits, strict=True) for fit in each]
+        return run_tasks(Way.placed, tasks)
 
-    def _placed_one(self, way: int, fit: Fit) -> Placed:
-        return self.ways[way].placed(fit, backward=way == 1)
-
-    def _finish(self, pools: list[list[Fit]]) -> tuple[tuple[int, Fit], Dense]:
+    def _finish(self, pools: list[list[Fit]]) -> tuple[tuple[Way, Fit], Dense]:
         """Look at good fits with fine nodes, settle the best of them and take the one that fits best then.
 
         Returns
         -------
-        best : (int, Fit)
+        best : (Way, Fit)
             The way, and the quick fit.
         dense : Dense
             Of all source points.
         """
         final = self.config.refine == "deform"
         nodes = self.config.fine_nodes if final else self.config.nodes
-        fine = run_tasks(lambda way: way.fine(nodes), [(way,) for way in self.ways])
         margin, most = ADOPTED
-        near = [(k, fit) for k, pool in enumerate(pools) for fit in pool]
+        near = [(way, fit) for way, pool in zip(self.ways, pools, strict=True) for fit in pool]
         near.sort(key=lambda each: -each[1].score)
         near = [each for each in near if each[1].score > near[0][1].score - margin][: most if final else 1]
+        used = [way for way in self.ways if any(way is each for each, _ in near)]
+        fine = dict(zip(used, run_tasks(lambda way: way.fine(nodes), [(way,) for way in used]), strict=True))
 
-        def adopted(way: int, fit: Fit) -> Fit:
-            quick = self.ways[way]
-            return fine[way].judge(fine[way].adopt(quick.graph, quick.attachment, fit.pose))
+        def adopted(way: Way, fit: Fit) -> Fit:
+            return fine[way].judge(fine[way].adopt(way.graph, way.attachment, fit.pose))
 
         looked = run_tasks(adopted, near)
         coarse = np.array([fit.seen - COARSE_COST * fit.strain for _, fit in near])
@@ -247,7 +245,7 @@ class Pair:
             first = int(np.argmax(coarse[order] + [fit.seen for fit in settled]))
             chosen, last = int(order[first]), settled[first]
         way = near[chosen][0]
-        return near[chosen], fine[way].inverse(last) if way else fine[way].dense(last)
+        return near[chosen], fine[way].inverse(last) if way.backward else fine[way].dense(last)
 
     def _matching(
         self,

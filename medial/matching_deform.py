@@ -61,8 +61,11 @@ class Attachment:
         count = int(self.nodes.max()) + 1
         mass = np.bincount(hang.nodes.ravel(), hang.weights.ravel(), count)
         total = np.bincount(hang.nodes.ravel(), (hang.weights * values[:, None]).ravel(), count)
-        at_nodes = total / np.maximum(mass, np.finfo(float).tiny)
-        return np.asarray((at_nodes[self.nodes] * self.weights).sum(axis=1))
+        return self.at_points(total / np.maximum(mass, np.finfo(float).tiny))
+
+    def at_points(self, values: Float) -> Float:
+        """Values of the nodes (N,) blended at the points, (n,)."""
+        return np.asarray((values[self.nodes] * self.weights).sum(axis=1))
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from medial.candidates import NONE, LandmarkSet, landmark_sets, spread
 from medial.compiled import run_tasks
-from medial.landmarks import Side, extend, first_partners, landmark_order, search_landmarks
+from medial.landmarks import Side, extend, first_partners, landmark_order, middle_time, search_landmarks
 from medial.matching_types import MatchConfig
-from medial.nearest import single_blas_thread
 from medial.paths import MedialPaths
 from medial.sampling import diffusion_map, farthest_points
 
@@ -50,20 +49,14 @@ def diffusion_sets(
 
     def from_start(start: int) -> list[Int]:
         order = landmark_order(here, times, start, config.landmarks)
-        with single_blas_thread():
-            if config.partners == 1:
-                sets = [search_landmarks(here, there, order, config)]
-            else:
-                firsts = first_partners(here, there, start, config, middle)
-                sets = [search_landmarks(here, there, order, config, int(first)) for first in firsts]
+        if config.partners == 1:
+            sets = [search_landmarks(here, there, order, config)]
+        else:
+            firsts = first_partners(here, there, start, config, middle)
+            sets = [search_landmarks(here, there, order, config, int(first)) for first in firsts]
         return [np.column_stack([here.samples[order], there.samples[partners]]) for partners in sets]
 
     return [one for found in run_tasks(from_start, [(int(start),) for start in starts]) for one in found]
-
-
-def middle_time(times: NDArray[np.float64]) -> float:
-    """The middle of logarithmic times."""
-    return float(np.sqrt(times[0] * times[-1]))
 
 
 def first_landmarks(here: Side, time: float, config: MatchConfig, rng: np.random.Generator) -> Int:

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from medial.candidates import LandmarkSet
 from medial.cloud import Cloud, Int
 from medial.compiled import run_tasks
-from medial.landmarks import Side
+from medial.landmarks import Side, middle_time
 from medial.matching_deform import NodeGraph, Pose
 from medial.matching_pool import (
     Candidate,
@@ -22,7 +22,6 @@ from medial.matching_pool import (
     first_landmarks,
     grown,
     grown_by_paths,
-    middle_time,
     path_sets,
 )
 from medial.matching_recombine import Exchange, distinct, recombine
@@ -89,10 +88,15 @@ class Way:
     times : (T,) float64
         Shared by the pair.
     config
+    backward
+        Whether the source of this way is the target of the pair.
     """
 
-    def __init__(self, source: End, target: End, times: NDArray[np.float64], config: MatchConfig) -> None:
+    def __init__(
+        self, source: End, target: End, times: NDArray[np.float64], config: MatchConfig, backward: bool
+    ) -> None:
         self.source, self.target, self.times, self.config = source, target, times, config
+        self.backward = backward
         self.coordinates = neighbourhoods(source.side.diffusion)
         nodes = max(2, min(config.nodes, len(source.cloud) // 4))
         rows = source.side.samples
@@ -101,25 +105,35 @@ class Way:
             self.graph, self.attachment, source.cloud, target.cloud, rows, target.side.samples
         )
 
+    def sets(self, starts: Int) -> list[Int]:
+        """Landmark sets of the diffusion from first landmarks: source and target points of the pair."""
+        here, there = self.source.side, self.target.side
+        return [self.turn(pairs) for pairs in diffusion_sets(here, there, self.times, self.config, starts)]
+
     def sets_by_length(self) -> list[LandmarkSet]:
-        """Landmark sets that agree in path length, where those are wanted."""
+        """Landmark sets that agree in path length, where those are wanted: source and target of the pair."""
         if self.source.paths is None or self.target.paths is None:
             return []
-        return path_sets(self.source.paths, self.target.paths)
+        return [self._turn_nodes(each) for each in path_sets(self.source.paths, self.target.paths)]
 
-    def grown(self, sets: list[Int], by_length: list[LandmarkSet], turned: bool) -> list[Candidate]:
-        """The candidates that landmark sets make; turned: the sets are those of the other way."""
+    def turn(self, landmarks: Int) -> Int:
+        """Landmarks (L, 2) of the pair as those of this way, and the other way round."""
+        return landmarks[:, ::-1] if self.backward else landmarks
+
+    def _turn_nodes(self, each: LandmarkSet) -> LandmarkSet:
+        return LandmarkSet(each.target, each.source, each.cost) if self.backward else each
+
+    def grown(self, sets: list[Int], by_length: list[LandmarkSet]) -> list[Candidate]:
+        """The candidates that landmark sets of the pair make."""
         here, there = self.source, self.target
 
         def spread(pairs: Int) -> Candidate:
-            return grown(here.side, there.side, pairs[:, ::-1] if turned else pairs, self.config)
+            return grown(here.side, there.side, self.turn(pairs), self.config)
 
         def by_paths(landmarks: LandmarkSet) -> Candidate:
             assert here.paths is not None
             assert there.paths is not None
-            if turned:
-                landmarks = LandmarkSet(landmarks.target, landmarks.source, landmarks.cost)
-            return grown_by_paths(here.side, here.paths, there.paths, landmarks)
+            return grown_by_paths(here.side, here.paths, there.paths, self._turn_nodes(landmarks))
 
         return run_tasks(spread, [(s,) for s in sets]) + run_tasks(by_paths, [(s,) for s in by_length])
 
@@ -157,9 +171,9 @@ class Way:
         near = tree.query(features(cloud.points[samples], cloud.normals[samples]))[1]
         return self.source.side.samples[near]
 
-    def placed(self, fit: Fit, backward: bool) -> Placed:
+    def placed(self, fit: Fit) -> Placed:
         """Where a fit puts the samples of the pair's source; of the way back, by the nearest sample."""
-        places = self.source.cloud.points[self.reaching(fit)] if backward else fit.moved
+        places = self.source.cloud.points[self.reaching(fit)] if self.backward else fit.moved
         return Placed(places, fit.score)
 
     def fine(self, nodes: int) -> FineDeformation:
@@ -193,23 +207,19 @@ class Sets:
 
     def first(self) -> list[list[Candidate]]:
         """Candidates of each way."""
-        sets = self._grown(0, slice(self._half))
-        if len(self.ways) == 2:
-            sets += [pairs[:, ::-1] for pairs in self._grown(1, slice(self._half))]
+        sets = [pairs for way, starts in self._each() for pairs in way.sets(starts[: self._half])]
         by_length = self.ways[0].sets_by_length()
-        return [way.grown(sets, by_length, turned=k == 1) for k, way in enumerate(self.ways)]
+        return [way.grown(sets, by_length) for way in self.ways]
 
     def more(self) -> list[list[Candidate]]:
         """Further candidates of each way: from the other half of its first landmarks, and the way back."""
-        found = []
-        for k, way in enumerate(self.ways):
-            by_length = way.sets_by_length() if k == 1 else []
-            found.append(way.grown(self._grown(k, slice(self._half, None)), by_length, turned=False))
-        return found
+        return [
+            way.grown(way.sets(starts[self._half :]), way.sets_by_length() if way.backward else [])
+            for way, starts in self._each()
+        ]
 
-    def _grown(self, k: int, some: slice) -> list[Int]:
-        way, starts = self.ways[k], self._starts[k][some]
-        return diffusion_sets(way.source.side, way.target.side, way.times, way.config, starts)
+    def _each(self) -> list[tuple[Way, Int]]:
+        return list(zip(self.ways, self._starts, strict=True))
 
 
 def search(ways: list[Way], fits: list[list[Fit]]) -> list[list[Fit]]:

@@ -121,33 +121,34 @@ class FineDeformation:
     def dense(self, fit: Fit) -> Dense:
         """The nearest target point, in position and normal, of every deformed source point."""
         final = self._everything.judge(fit.pose)
+        deformed = features(*self._everything.moved(fit.pose))
         goals = features(self.target.points[final.partner], self.target.normals[final.partner])
-        alone = self._from_one_place(self._arrivals(final, goals), np.arange(len(self.source)))
-        return Dense(final.partner, final.found, alone, self._held(final))
+        alone = self._from_one_place(_nearest(deformed, goals), np.arange(len(self.source)))
+        return Dense(final.partner, final.found, alone, self._held(fit.pose))
 
     def inverse(self, fit: Fit) -> Dense:
         """The nearest deformed source point, in position and normal, of every target point."""
-        final = self._everything.judge(fit.pose)
-        arrived = self._arrivals(final, features(self.target.points, self.target.normals))
+        points, normals = self.target.points, self.target.normals
+        here, here_normals = self._everything.moved(fit.pose)
+        arrived = _nearest(features(here, here_normals), features(points, normals))
         match = arrived[:, 0]
-        here, normals = self._everything.moved(fit.pose)
-        met = found(self.target.points, self.target.normals, here[match], normals[match])
-        return Dense(match, met, self._from_one_place(arrived, match), self._held(final)[match])
+        met = found(points, normals, here[match], here_normals[match])
+        return Dense(match, met, self._from_one_place(arrived, match), self._held(fit.pose)[match])
 
-    def _held(self, final: Fit) -> Float:
-        return (self.graph.held(final.pose)[self.attachment.nodes] * self.attachment.weights).sum(axis=1)
-
-    def _arrivals(self, final: Fit, goals: Float) -> Int:
-        """Deformed source points nearest to some goals, nearest first, (goals, MEETING)."""
-        tree = cKDTree(features(*self._everything.moved(final.pose)))
-        count = min(MEETING, len(self.source))
-        near = tree.query(goals, k=count, workers=thread_count())[1]
-        return near.reshape(len(goals), count).astype(np.int64)
+    def _held(self, pose: Pose) -> Float:
+        return self.attachment.at_points(self.graph.held(pose))
 
     def _from_one_place(self, arrived: Int, origin: Int) -> Float:
         """A part that has no counterpart collapses onto another one: then strangers meet at its matches."""
         gap = np.linalg.norm(self.source.points[arrived] - self.source.points[origin][:, None], axis=2)
         return np.asarray((gap < SAME_NEIGHBOURHOOD).mean(axis=1))
+
+
+def _nearest(places: Float, goals: Float) -> Int:
+    """The `MEETING` places nearest to each goal, nearest first; all if there are fewer."""
+    count = min(MEETING, len(places))
+    near = cKDTree(places).query(goals, k=count, workers=thread_count())[1]
+    return near.reshape(len(goals), count).astype(np.int64)
 
 
 def spectral_refinement(

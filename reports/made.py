@@ -1,11 +1,11 @@
 """Whether a report is what would be drawn again: then a repeated run need not draw it."""
 
-import hashlib
 import json
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+from evaluation.identity import digest, digest_files
 from evaluation.store import ResultsStore, write_json
 
 PAIRS = 24
@@ -33,19 +33,13 @@ def is_made(store: ResultsStore, folder: Path, pairs: int | None) -> bool:
 
 def _state(store: ResultsStore, pairs: int | None) -> str:
     """Hash of the results, of the code that draws, and of how many pairs are drawn."""
-    total = hashlib.sha256(f"{_code()} {pairs}".encode())
-    for name in ("run.json", "table.parquet"):
-        file = store.folder / name
-        total.update(name.encode() + (file.read_bytes() if file.is_file() else b""))
-    return total.hexdigest()
+    results = (store.folder / name for name in ("run.json", "table.parquet"))
+    return digest([_code(), pairs, digest_files(*(file for file in results if file.is_file()))])
 
 
 @cache
 def _code() -> str:
     root = Path(__file__).parents[1]
-    total = hashlib.sha256(" ".join(f"{name} {version(name)}" for name in LIBRARIES).encode())
-    for package in ("reports", "evaluation"):
-        for file in sorted((root / package).rglob("*")):
-            if file.is_file() and file.suffix != ".pyc":
-                total.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
-    return total.hexdigest()
+    files = (file for package in ("reports", "evaluation") for file in (root / package).rglob("*"))
+    source = digest_files(*(file for file in files if file.is_file() and file.suffix != ".pyc"))
+    return digest([{name: version(name) for name in LIBRARIES}, source])

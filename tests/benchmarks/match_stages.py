@@ -1,20 +1,19 @@
 """Time and memory of one match, in a process of its own: ``python -m tests.benchmarks.match_stages N``."""
 
 import json
-import resource
 import sys
-import time
 
 import numpy as np
 
 import datasets_gen
 from medial import Diffusion, match
 from scanner_sim import ScannerConfig, scan
+from tests.benchmarks.measuring import measured
 
 POSES = ("walk", "run")
 
 
-def main(points: int) -> dict[str, float]:
+def main(points: int) -> dict[str, float | None]:
     """Match two scans of the built-in human, a fifth of whose surface is missing."""
     body = datasets_gen.load("human")
     config = ScannerConfig(views=6)
@@ -23,18 +22,14 @@ def main(points: int) -> dict[str, float]:
     match(*small)  # kernels are loaded
     scans = [w.subsample(points) for w in whole]
     operators = [Diffusion.from_points(s.points, s.normals) for s in scans]
-    before = resource.getrusage(resource.RUSAGE_SELF)
-    start = time.perf_counter()
-    found = match(*operators)
-    wall = time.perf_counter() - start
-    after = resource.getrusage(resource.RUSAGE_SELF)
+    found, (wall, processor, peak) = measured(match, *operators)
     truth = [body.canonical(body[p], s.face_ids, s.barycentrics) for p, s in zip(POSES, scans, strict=True)]
     error = np.linalg.norm(truth[1][found.source_to_target] - truth[0], axis=1)
     return {
         "points": float(np.mean([len(s) for s in scans])),
         "wall": wall,
-        "processor": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
-        "peak MB": after.ru_maxrss / 1024,
+        "processor": processor,
+        "peak MB": peak,
         "error": 100 * float(error.mean() / np.sqrt(body.reference.area)),
     }
 

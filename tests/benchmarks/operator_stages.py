@@ -8,7 +8,6 @@ Run as a process of its own, so that the memory of one size is not counted for a
 import json
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 from trimesh import Trimesh
@@ -20,24 +19,9 @@ from medial.operators import NEAREST
 from medial.similarity import similarity
 from medial.spectrum import smallest_modes
 from medial.surface import REFERENCE_POINTS, density_weights, surface_areas
+from tests.benchmarks.measuring import measured
 from tests.benchmarks.plain_similarity import plain_similarity
 from tests.medial.clouds import thinned
-
-STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
-
-
-def peak_megabytes():
-    """Peak memory since `forget_peak`; None where the system does not tell."""
-    if not STATUS.exists():
-        return None
-    return next(int(line.split()[1]) / 1024 for line in STATUS.read_text().splitlines() if "VmHWM" in line)
-
-
-def forget_peak():
-    try:
-        RESET.write_text("5")
-    except OSError:
-        return
 
 
 def scanned(points):
@@ -57,10 +41,7 @@ def stages(points, normals, modes, plain):
     report = {"points": len(points)}
 
     def timed(name, function, *args, **kwargs):
-        forget_peak()
-        start, busy = time.perf_counter(), time.process_time()
-        result = function(*args, **kwargs)
-        report[name] = [time.perf_counter() - start, time.process_time() - busy, peak_megabytes()]
+        result, report[name] = measured(function, *args, **kwargs)
         return result
 
     surface = timed("surface", surface_areas, points, normals)

@@ -1,27 +1,20 @@
 """How long a match takes (operators given), how much memory, and how both grow: printed by `make perf`."""
 
-import json
-import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.benchmarks.measuring import in_own_process
+
+STAGES = "tests.benchmarks.match_stages"
 SIZES = (2500, 5000, 10_000, 20_000)
 reports: dict[int, dict] = {}
 
 
-def measure(points):
-    command = [sys.executable, "-m", "tests.benchmarks.match_stages", str(points)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout.splitlines()[-1])
-
-
 @pytest.mark.parametrize("points", SIZES)
 def test_match(benchmark, points):
-    reports[points] = benchmark.pedantic(measure, args=(points,), rounds=1)
+    reports[points] = benchmark.pedantic(in_own_process, args=(STAGES, points), rounds=1)
     assert reports[points]["error"] < 5
 
 
@@ -37,7 +30,7 @@ def test_table(benchmark):
         "points  wall s  processor s  peak MB  error x100",
     ]
     lines += [
-        f"{r['points']:6.0f}{r['wall']:8.1f}{r['processor']:13.1f}{r['peak MB']:9.0f}{r['error']:12.2f}"
+        f"{r['points']:6.0f}{r['wall']:8.1f}{r['processor']:13.1f}{r['peak MB'] or 0:9.0f}{r['error']:12.2f}"
         for r in reports.values()
     ]
     if len(reports) > 1:

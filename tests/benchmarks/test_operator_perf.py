@@ -1,15 +1,12 @@
 """How long the medial operator takes, how much memory it needs, and how both grow: printed by `make perf`."""
 
-import json
-import os
-import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.benchmarks.measuring import in_own_process
+
 SIZES = (5000, 10_000, 20_000, 40_000, 80_000)
 PLAIN_UP_TO = 10_000
 STAGES = ("surface", "similarity", "axis", "areas", "gaussian", "combination", "laplacian", "modes")
@@ -21,12 +18,8 @@ def say(line=""):
 
 
 def measure(points, **environment):
-    command = [sys.executable, "-m", "tests.benchmarks.operator_stages", str(points)]
-    command += ["--plain"] if points <= PLAIN_UP_TO else []
-    done = subprocess.run(
-        command, cwd=ROOT, env=os.environ | environment, capture_output=True, text=True, check=True
-    )
-    return json.loads(done.stdout)
+    plain = ["--plain"] if points <= PLAIN_UP_TO else []
+    return in_own_process("tests.benchmarks.operator_stages", points, *plain, **environment)
 
 
 @pytest.mark.parametrize("points", SIZES)

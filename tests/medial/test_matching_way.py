@@ -33,15 +33,15 @@ def true_places(pair):
 
 
 def test_both_ways_find_the_same_map(pair, found):
-    for k, (way, fits) in enumerate(zip(pair.ways, found, strict=True)):
-        places = way.placed(fits[0], backward=k == 1).places
+    for way, fits in zip(pair.ways, found, strict=True):
+        places = way.placed(fits[0]).places
         assert np.linalg.norm(places - true_places(pair), axis=1).mean() < 0.03
 
 
 def test_a_fit_turned_round_is_the_same_map(pair, found):
     there, back = pair.ways
     turned = back.turned(there, found[0][:1])[0]
-    assert back.placed(turned, backward=True).gap(there.placed(found[0][0], backward=False)) < 0.03
+    assert back.placed(turned).gap(there.placed(found[0][0])) < 0.03
 
 
 def test_a_way_without_good_candidates_learns_from_the_other(pair, found):
