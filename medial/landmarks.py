@@ -15,7 +15,6 @@ from medial.sampling import (
     diffusion_map,
     farthest_points,
     first_positive_mode,
-    spectral_samples,
 )
 
 Float32 = NDArray[np.float32]
@@ -86,14 +85,11 @@ def middle_time(times: NDArray[np.float64]) -> float:
     return float(np.sqrt(times[0] * times[-1]))
 
 
-def prepare(
-    diffusion: Diffusion, times: NDArray[np.float64], config: MatchConfig, rng: np.random.Generator
-) -> Side:
-    """Sample a cloud and tabulate its heat traces and signatures."""
+def prepare(diffusion: Diffusion, times: NDArray[np.float64], samples: NDArray[np.int64]) -> Side:
+    """Tabulate the heat traces of a cloud and the signatures of its samples."""
     scale = np.sqrt(diffusion.areas.sum())
     psi = (diffusion.eigenfunctions * scale).astype(np.float32)
     decay = (np.exp(-np.outer(diffusion.eigenvalues, times)) / diffusion.heat_trace(times)).astype(np.float32)
-    samples = spectral_samples(diffusion, config.samples, rng)
     with single_blas_thread():
         return Side(diffusion, samples, decay, psi, psi[samples] ** 2 @ decay)
 

@@ -28,8 +28,10 @@ from medial.matching_register import Fit
 from medial.matching_types import MatchConfig, Matching
 from medial.matching_way import End, Placed, Sets, Way, search
 from medial.nearest import single_blas_thread
+from medial.neighbourhoods import neighbourhoods
 from medial.paths import MedialPaths
 from medial.refine import Dense, spectral_refinement
+from medial.sampling import cluster_samples, spectral_samples
 
 T = TypeVar("T")
 
@@ -39,7 +41,7 @@ ADOPTED = (0.25, 8)
 """Fits whose score is within this of the best are looked at with fine nodes, at most so many."""
 FINALIST = 0.2
 """Of those, what is worth less than the best by more than this is not settled finely."""
-COARSE_COST, FINE_COST = 350.0, 1000.0
+COARSE_COST, FINE_COST = 500.0, 1000.0
 """Cost of the mean square strain of a quick fit, and of its pose carried over to fine nodes. What settling
 finely adds to the strain is noise."""
 
@@ -135,14 +137,21 @@ class Pair:
         self.diffusions, self.config, self.seed = (source, target), config, seed
         self.times = shared_times(source, target, config)
         clouds = common_units(source, target)
-        sides = [
-            prepare(diffusion, self.times, config, np.random.default_rng([seed, k]))
-            for k, diffusion in enumerate(self.diffusions)
-        ]
+        coordinates = run_tasks(neighbourhoods, [(diffusion,) for diffusion in self.diffusions])
+        rngs = [np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])]
+        if config.selection == "fit":
+            chosen = [
+                cluster_samples(x, config.samples, rng) for x, rng in zip(coordinates, rngs, strict=True)
+            ]
+        else:
+            chosen = [
+                spectral_samples(d, config.samples, rng) for d, rng in zip(self.diffusions, rngs, strict=True)
+            ]
+        sides = [prepare(d, self.times, some) for d, some in zip(self.diffusions, chosen, strict=True)]
         paths: list[MedialPaths | None] = [None, None]
         if config.paths and config.selection == "fit":
             paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
-        self.ends = [End(*parts) for parts in zip(sides, clouds, paths, strict=True)]
+        self.ends = [End(*parts) for parts in zip(sides, clouds, coordinates, paths, strict=True)]
 
     @cached_property
     def ways(self) -> list[Way]:

@@ -4,10 +4,11 @@ Node j at rest in g_j carries a rotation R_j and a position y_j; a point x follo
 
     x' = sum_j w_j(x) (R_j (x - g_j) + y_j).
 
-Nodes are near in the *diffusion map*, not in space. For the medial operator a node is a piece of a limb with
-all its sides, so that a side without data follows the sides that have some, and a hand does not stick to the
-hip beside it. Neighbouring nodes should agree on where both of them go and on how they turn. Unknown are six
-numbers per node, found by Gauss-Newton steps with one dense Cholesky factor each.
+Nodes are near in the *diffusion map*, not in space alone (`medial.neighbourhoods`). For the medial operator
+a node is a piece of a limb with all its sides, so that a side without data follows the sides that have some,
+and a hand does not stick to the hip beside it. Neighbouring nodes should agree on where both of them go and
+on how they turn. Unknown are six numbers per node, found by Gauss-Newton steps with one dense Cholesky factor
+each.
 
 References
 ----------
@@ -28,8 +29,8 @@ Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Int = NDArray[np.int64]
 
-INFLUENCES = 6
-"""Nodes that move a point."""
+INFLUENCES = 4
+"""Nodes that move a point, unless told otherwise. More of them tie together what lies side by side."""
 SHARED = 0.02
 """Nodes are neighbours when they share this part of a node's points."""
 BEND = 0.03
@@ -46,7 +47,7 @@ BRIDGE = 0.05
 
 @dataclass(frozen=True)
 class Attachment:
-    """How n points hang on nodes: ids and weights, (n, INFLUENCES); weights sum to 1."""
+    """How n points hang on nodes: ids and weights, (n, influences); weights sum to 1."""
 
     nodes: Int
     weights: Float
@@ -89,7 +90,7 @@ class NodeGraph:
     Attributes
     ----------
     coordinates : (N, d) float32
-        Diffusion-map coordinates of the nodes.
+        Of the nodes (`medial.neighbourhoods`).
     rest : (N, 3) float64
         Mean of each node's points.
     edges : (E, 2) int64
@@ -107,9 +108,9 @@ class NodeGraph:
 
     @classmethod
     def over(
-        cls, coordinates: Float32, points: Float, eligible: Int, count: int
+        cls, coordinates: Float32, points: Float, eligible: Int, count: int, influences: int = INFLUENCES
     ) -> tuple["NodeGraph", Attachment]:
-        """Nodes far apart in the diffusion map, and how the points hang on them.
+        """Nodes far apart in the neighbourhoods, and how the points hang on them.
 
         Parameters
         ----------
@@ -119,12 +120,14 @@ class NodeGraph:
             Points that may become nodes: representative ones, as the farthest of all points are outliers.
         count
             Number of nodes; at most e.
+        influences
+            Nodes that move a point.
         """
         remote = int((coordinates[eligible] ** 2).sum(axis=1).argmax())
         ids = eligible[farthest_points(coordinates[eligible], count, remote)]
         anchors, used = coordinates[ids], np.zeros(1, dtype=bool)
         while not used.all():  # of nodes at one place only some get points
-            attachment = attach(coordinates, anchors)
+            attachment = attach(coordinates, anchors, influences)
             share = _shares(attachment, len(anchors))  # (n, N)
             mass = share.sum(axis=0)
             used = mass > 1e-9 * mass.max()
@@ -179,17 +182,19 @@ class NodeGraph:
         )
 
 
-def attach(coordinates: Float32, anchors: Float32) -> Attachment:
-    """Hang points on their nearest nodes in the diffusion map; the weight falls to 0 at the next one.
+def attach(coordinates: Float32, anchors: Float32, influences: int = INFLUENCES) -> Attachment:
+    """Hang points on their nearest nodes; the weight falls to 0 at the next one.
 
     Parameters
     ----------
     coordinates : (n, d)
     anchors : (N, d)
+    influences
+        Nodes that move a point; fewer if there are fewer.
     """
     square = np.einsum("nd,nd->n", coordinates, coordinates)[:, None] - 2 * coordinates @ anchors.T
     square += np.einsum("nd,nd->n", anchors, anchors)
-    count = min(INFLUENCES, len(anchors) - 1)
+    count = min(influences, len(anchors) - 1)
     order = np.argsort(square, axis=1, kind="stable")[:, : count + 1]
     gap = np.sqrt(np.maximum(np.take_along_axis(square, order, axis=1), 0)).astype(np.float64)
     weights = np.maximum(1 - gap[:, :count] / np.maximum(gap[:, count:], 1e-12), 1e-3)
@@ -204,7 +209,7 @@ def _shares(attachment: Attachment, count: int) -> Float:
 
 
 def _edges(share: Float, mass: Float, anchors: Float32) -> tuple[Int, Float]:
-    """Neighbours (sharing points, or the three nearest in the map) and weights; connected."""
+    """Neighbours (sharing points, or the three nearest) and weights; connected."""
     overlap = share.T @ share / mass.mean()
     count = len(mass)
     pairs = {(int(i), int(j)): overlap[i, j] for i, j in np.argwhere(np.triu(overlap, 1) > SHARED)}

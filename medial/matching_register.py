@@ -28,9 +28,9 @@ BACKWARD = 0.5
 """Weight of target points that look for the source, relative to source points that look for the target."""
 SEEN_WITHIN = 0.03
 """Distance, in sqrt(area), at which a point counts half as found."""
-STRAIN_COST = 150.0
-"""Cost of the mean square strain (in areas) in the score of a fit. Of two fits of one pair, one nearly right
-and one not, the score then tells which is which 99 times in 100; with 50, 96 times."""
+STRAIN_COST = 220.0
+"""Cost of the mean square strain (in areas) in the score of a fit. Of 628 pairs of settled fits, one nearly
+right and one not, the score tells 99.5 % apart with 100 to 220, 99.0 % without strain."""
 SMALLEST_SCALE = 0.01
 """Residuals below this, in sqrt(area), are never outliers of a node's motion."""
 BELIEVED = 0.1

@@ -33,7 +33,8 @@ class MatchConfig:
     """Settings of `medial.match`; the defaults are the best ones measured, `paper()` is Sec. 4 as written."""
 
     samples: int = 500
-    """Samples S_P and S_Q of spectral clustering; a cloud with fewer points is used whole."""
+    """Samples S_P and S_Q; a cloud with fewer points is used whole. By spectral clustering (Sec. 4) or, with
+    selection ``"fit"``, by clusters that are near in space as well: they have to cover the surface."""
     times: int = 25
     """Logarithmic time scales."""
     first_mode: int = 1

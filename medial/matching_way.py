@@ -15,7 +15,7 @@ from medial.candidates import LandmarkSet
 from medial.cloud import Cloud, Int
 from medial.compiled import run_tasks
 from medial.landmarks import Side, middle_time
-from medial.matching_deform import NodeGraph, Pose
+from medial.matching_deform import Float32, NodeGraph, Pose
 from medial.matching_pool import (
     Candidate,
     diffusion_sets,
@@ -28,7 +28,7 @@ from medial.matching_recombine import Exchange, distinct, recombine
 from medial.matching_register import Fit, Registration, Schedule, features
 from medial.matching_types import MatchConfig
 from medial.paths import MedialPaths
-from medial.refine import FineDeformation, neighbourhoods
+from medial.refine import FineDeformation
 
 QUICK = Schedule()
 LIKE = 0.02
@@ -69,12 +69,15 @@ class End:
     side : Side
     cloud : Cloud
         In the units of the pair.
+    coordinates : (n, d) float32
+        In which pieces of limbs are close (`medial.neighbourhoods`).
     paths : MedialPaths, optional
         Where sets by path length are wanted.
     """
 
     side: Side
     cloud: Cloud
+    coordinates: Float32
     paths: MedialPaths | None
 
 
@@ -97,10 +100,9 @@ class Way:
     ) -> None:
         self.source, self.target, self.times, self.config = source, target, times, config
         self.backward = backward
-        self.coordinates = neighbourhoods(source.side.diffusion)
         nodes = max(2, min(config.nodes, len(source.cloud) // 4))
         rows = source.side.samples
-        self.graph, self.attachment = NodeGraph.over(self.coordinates, source.cloud.points, rows, nodes)
+        self.graph, self.attachment = NodeGraph.over(source.coordinates, source.cloud.points, rows, nodes)
         self._quick = Registration.between(
             self.graph, self.attachment, source.cloud, target.cloud, rows, target.side.samples
         )
@@ -179,7 +181,7 @@ class Way:
     def fine(self, nodes: int) -> FineDeformation:
         """Fine deformations the same way."""
         return FineDeformation(
-            self.source.cloud, self.target.cloud, self.coordinates, self.source.side.samples, nodes
+            self.source.cloud, self.target.cloud, self.source.coordinates, self.source.side.samples, nodes
         )
 
 

@@ -12,16 +12,13 @@ from medial.diffusion import Diffusion
 from medial.matching_deform import Attachment, NodeGraph, Pose, moved
 from medial.matching_register import Fit, Registration, Schedule, features, found
 from medial.nearest import nearest
-from medial.sampling import diffusion_map, smallest_time
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Int = NDArray[np.int64]
 
-NEAR = 3.0
-"""Diffusion time of the deformation's neighbourhoods, in smallest times 4 ln 10 / lambda_max."""
-TELLING = 1e-3
-"""Relative range of a diffusion map below which it tells no points apart."""
+FINE_INFLUENCES = 6
+"""Nodes that move a point in the fine deformation, whose nodes are close: it is smoother with more."""
 MOST_POINTS = 8000
 """Source points that take part in the fine deformation."""
 LOOK_BACK = 3000
@@ -57,17 +54,6 @@ class Dense:
     held: Float
 
 
-def neighbourhoods(diffusion: Diffusion) -> Float32:
-    """Diffusion-map coordinates in which points of one medial region are close, (n, k).
-
-    All of a ball is one medial region: where diffusion tells nothing apart, nearness in space has to do.
-    """
-    coordinates = diffusion_map(diffusion, NEAR * smallest_time(diffusion))
-    if np.ptp(coordinates, axis=0).max() < TELLING * np.abs(coordinates).max():
-        coordinates = diffusion.points - diffusion.points.mean(axis=0)
-    return coordinates.astype(np.float32)
-
-
 class FineDeformation:
     """The fine deformation of a pair, prepared once for several poses.
 
@@ -76,7 +62,7 @@ class FineDeformation:
     source, target
         Clouds in common units.
     coordinates : (n, d)
-        `neighbourhoods` of the source.
+        `medial.neighbourhoods` of the source.
     eligible
         Points that may become nodes.
     nodes
@@ -86,7 +72,9 @@ class FineDeformation:
     def __init__(self, source: Cloud, target: Cloud, coordinates: Float32, eligible: Int, nodes: int) -> None:
         self.source, self.target = source, target
         count = max(2, min(nodes, len(source) // 4))
-        self.graph, self.attachment = NodeGraph.over(coordinates, source.points, eligible, count)
+        self.graph, self.attachment = NodeGraph.over(
+            coordinates, source.points, eligible, count, FINE_INFLUENCES
+        )
         taken = farthest_order(source.points, MOST_POINTS) if len(source) > MOST_POINTS else slice(None)
         self._taken = np.arange(len(source))[taken]
         self._registration = self._over(self._taken, farthest_order(target.points, LOOK_BACK))

@@ -1,4 +1,4 @@
-"""Samples spread evenly over medial regions: spectral clustering and farthest points in a diffusion map."""
+"""Samples spread evenly over a cloud: clusters and farthest points in an embedding."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,16 +85,24 @@ def farthest_points(
     return order
 
 
-def spectral_samples(
-    diffusion: Diffusion, count: int, rng: np.random.Generator, iterations: int = 5
-) -> NDArray[np.int64]:
+def spectral_samples(diffusion: Diffusion, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Points evenly spaced over medial regions: one per cluster of the diffusion map (Sec. 4, [BS12]).
+
+    As `cluster_samples`, at the smallest time.
+    """
+    return cluster_samples(diffusion_map(diffusion, smallest_time(diffusion)), count, rng)
+
+
+def cluster_samples(
+    coordinates: NDArray[np.floating], count: int, rng: np.random.Generator, iterations: int = 5
+) -> NDArray[np.int64]:
+    """One point per cluster.
 
     k-means from farthest-point seeds; each cluster is represented by the point nearest to its mean.
 
     Parameters
     ----------
-    diffusion
+    coordinates : (n, d)
     count
         Number of samples; clouds with fewer points are returned whole.
     rng
@@ -107,10 +115,10 @@ def spectral_samples(
     (min(count, n),) int64
         Distinct point ids, ascending.
     """
-    n = len(diffusion)
+    n = len(coordinates)
     if count >= n:
         return np.arange(n, dtype=np.int64)
-    x = diffusion_map(diffusion, smallest_time(diffusion)).astype(np.float32)
+    x = coordinates.astype(np.float32)
     means = x[farthest_points(x, count, int(rng.integers(n)))]
     for _ in range(iterations):
         label, _ = nearest(x, means)

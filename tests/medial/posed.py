@@ -10,7 +10,7 @@ from medial import Diffusion
 from medial.cloud import common_units
 from medial.matching_deform import NodeGraph, Pose
 from medial.matching_register import Registration
-from medial.refine import neighbourhoods
+from medial.neighbourhoods import neighbourhoods
 from medial.sampling import spectral_samples
 from tests.medial.clouds import body
 

@@ -3,7 +3,7 @@ import pytest
 
 from medial import MatchConfig
 from medial.landmarks import extend, landmark_order, prepare, search_landmarks, shared_times
-from medial.sampling import LOG_DECADES
+from medial.sampling import LOG_DECADES, spectral_samples
 from tests.medial.matching_shapes import permuted, unequal_arms
 
 CONFIG = MatchConfig.from_dict({"samples": 60, "times": 7, "candidates": 0.2})
@@ -14,8 +14,8 @@ def pair():
     source = unequal_arms()
     _, target = permuted(source)
     times = shared_times(source, target, CONFIG)
-    rng = np.random.default_rng
-    return times, prepare(source, times, CONFIG, rng(0)), prepare(target, times, CONFIG, rng(1))
+    samples = [spectral_samples(x, 60, np.random.default_rng(k)) for k, x in enumerate((source, target))]
+    return times, prepare(source, times, samples[0]), prepare(target, times, samples[1])
 
 
 def slow_heat(diffusion, x, y, times):

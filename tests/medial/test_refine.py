@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from medial.matching_deform import NodeGraph
-from medial.refine import FineDeformation, neighbourhoods, spectral_refinement
+from medial.neighbourhoods import neighbourhoods
+from medial.refine import FineDeformation, spectral_refinement
 from medial.sampling import spectral_samples
 from tests.medial.clouds import rotation
 from tests.medial.posed import bent, bent_figure, common_units, figure, rest_pose, rigid_pose
