@@ -74,7 +74,7 @@ def similarity(
     screen = make_screen(cloud, grid, tangency, cap)
     found, total = [], 0
     for leaves in ranges(len(cloud.spheres), max(PAIRS_AT_ONCE // (n * LEAF), 16)):
-        pairs = candidate_pairs(cloud, grid, screen, cap, leaves)
+        pairs = candidate_pairs(grid, screen, leaves)
         values = similarities(cloud, grid, pairs, settings)
         kept = values >= cutoff
         found.append((order[pairs.i[kept]], order[pairs.j[kept]], values[kept]))

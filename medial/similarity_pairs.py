@@ -1,7 +1,13 @@
 """Pairs of points whose candidate ball may pass: culled by tangency, radius, and the critical-radius grid.
 
-All pairs go through one loop of single-precision SIMD without branches: with D, a_i, a_j as in `medial.ball`,
-gap = a_i - a_j and E = D |n_i + n_j|^2 - 4 a_i a_j = D F^2,
+Pairs of leaves go first. With u = d / |d|, s = n_i + n_j, g = (n_i - n_j) . u and s' the part of s across u,
+
+    F^2 = |s'|^2 + g^2,      r = |d| F / (2 g)
+
+so bounds on |d|, |s'| and g over two leaves, from their spheres and cones of normals, tell where no pair can
+have a ball that is tangent enough and small enough. All pairs of the other leaves go through one loop of
+single-precision SIMD without branches: with D, a_i, a_j as in `medial.ball`, gap = a_i - a_j and
+E = D |n_i + n_j|^2 - 4 a_i a_j = D F^2,
 
     c = p_i - (D (n_i + n_j) / 2 - a_j d) / gap,      r^2 = D E / (2 gap)^2
 
@@ -21,6 +27,7 @@ from medial.similarity_tree import LEAF, Cloud
 MARGIN = 1.01  # of radii, in the single-precision test
 LEAVES_PER_TASK = 16
 RUN = 128  # leaves per call of the SIMD loop: its buffers stay in the first-level cache
+ROUNDING = 1e-3  # of the bounds over two leaves, which are differences of numbers up to 4 in single precision
 
 
 class Pairs(NamedTuple):
@@ -38,6 +45,28 @@ class Pairs(NamedTuple):
     starts: NDArray[np.int64]
 
 
+class _Leaves(NamedTuple):
+    """Bounding spheres relative to the middle of the cloud, and cones of normals; (leaves,) float32 each.
+
+    Attributes
+    ----------
+    x, y, z, radius
+    u, v, w
+        Mean normal.
+    chord
+        Largest distance of a normal from the mean one.
+    """
+
+    x: NDArray[np.float32]
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+    radius: NDArray[np.float32]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
+    w: NDArray[np.float32]
+    chord: NDArray[np.float32]
+
+
 class Screen(NamedTuple):
     """What the single-precision test reads, relative to the middle of the cloud.
 
@@ -53,6 +82,7 @@ class Screen(NamedTuple):
         Squared critical radius of every entry of the table; negative where dead.
     least, largest : float32
         Bounds on F^2 and r^2.
+    leaves : _Leaves
     """
 
     x: NDArray[np.float32]
@@ -66,6 +96,7 @@ class Screen(NamedTuple):
     squares: NDArray[np.float32]
     least: np.float32
     largest: np.float32
+    leaves: _Leaves
 
 
 def make_screen(cloud: Cloud, grid: Grid, tangency: float, cap: float) -> Screen:
@@ -81,13 +112,20 @@ def make_screen(cloud: Cloud, grid: Grid, tangency: float, cap: float) -> Screen
     squares = ((MARGIN * grid.cells[:, 0]) ** 2).astype(np.float32)
     squares[0] = -1
     least, largest = np.float32((tangency / MARGIN) ** 2), np.float32((MARGIN * cap) ** 2)
-    return Screen(x, y, z, u, v, w, box, counts, squares[grid.table], least, largest)
+    lx, ly, lz = (np.ascontiguousarray(axis) for axis in (cloud.spheres[:, :3] - middle).T.astype(np.float32))
+    lu, lv, lw = (np.ascontiguousarray(axis) for axis in cloud.cones[:, :3].T.astype(np.float32))
+    radius, chord = (
+        cloud.spheres[:, 3].astype(np.float32),
+        np.sqrt(2 - 2 * cloud.cones[:, 3]).astype(np.float32),
+    )
+    leaves = _Leaves(lx, ly, lz, radius, lu, lv, lw, chord)
+    return Screen(x, y, z, u, v, w, box, counts, squares[grid.table], least, largest, leaves)
 
 
-def candidate_pairs(cloud: Cloud, grid: Grid, screen: Screen, cap: float, leaves: tuple[int, int]) -> Pairs:
+def candidate_pairs(grid: Grid, screen: Screen, leaves: tuple[int, int]) -> Pairs:
     """Pairs that tangency, radius cap and critical radii let through, i in `leaves` (first, last + 1)."""
     spans = [(leaves[0] + a, leaves[0] + b) for a, b in ranges(leaves[1] - leaves[0], LEAVES_PER_TASK)]
-    parts = run_tasks(_cull, [(screen, cloud.spheres, grid.table, cap, *span) for span in spans])
+    parts = run_tasks(_cull, [(screen, grid.table, *span) for span in spans])
     i, j, cells = (np.concatenate([part[k] for part in parts]) for k in range(3))
     return Pairs(*_grouped(i, j, cells, len(grid.cells)))
 
@@ -146,49 +184,81 @@ def _test(s: Any, i: int, x: Any, y: Any, z: Any, u: Any, v: Any, w: Any, places
         radii[j] = radius
 
 
+@compiled(fastmath={"contract", "arcp", "reassoc", "nsz"})
+def _joined(leaves: Any, a: int, first: int, least: Any, largest: Any, kept: Any) -> None:
+    """Whether some ball that may pass can touch leaf a and each of the leaves from `first` on."""
+    zero, one, two, four, slack = (
+        np.float32(0),
+        np.float32(1),
+        np.float32(2),
+        np.float32(4),
+        np.float32(ROUNDING),
+    )
+    xa, ya, za, ra = leaves.x[a], leaves.y[a], leaves.z[a], leaves.radius[a]
+    ua, va, wa, chord = leaves.u[a], leaves.v[a], leaves.w[a], leaves.chord[a] + slack
+    for k in range(len(kept)):
+        b = first + k
+        dx, dy, dz = xa - leaves.x[b], ya - leaves.y[b], za - leaves.z[b]
+        length = np.sqrt(dx * dx + dy * dy + dz * dz)
+        both = (ra + leaves.radius[b]) * (one + slack)
+        inverse = one / max(length, np.float32(1e-30))
+        sine = min(both * inverse, one)
+        swing = np.sqrt(two - two * np.sqrt(one - sine * sine))  # of the direction u between their points
+        off = chord + leaves.chord[b]
+        sx, sy, sz = ua + leaves.u[b], va + leaves.v[b], wa + leaves.w[b]
+        tx, ty, tz = ua - leaves.u[b], va - leaves.v[b], wa - leaves.w[b]
+        square = sx * sx + sy * sy + sz * sz
+        along = (sx * dx + sy * dy + sz * dz) * inverse
+        across = np.sqrt(max(square - along * along, zero))
+        wide = off + np.sqrt(square) * swing
+        least_across, most_across = max(across - wide, zero), across + wide
+        g = (tx * dx + ty * dy + tz * dz) * inverse + off + np.sqrt(tx * tx + ty * ty + tz * tz) * swing
+        gap = max(length - both, zero)
+        tangent = (g > zero) & (most_across * most_across + g * g >= least)
+        small = gap * gap * (least_across * least_across + g * g) <= four * largest * g * g
+        kept[k] = (length <= both) | (tangent & small)
+
+
 @compiled()
-def _cull(screen: Any, spheres: Any, table: Any, cap: float, start: int, stop: int) -> Any:
+def _cull(screen: Any, table: Any, start: int, stop: int) -> Any:
     """Surviving pairs (i, j, cell) with i in leaves [start, stop) and j > i."""
-    n, total = len(screen.x), len(spheres)
+    n, total = len(screen.x), len(screen.leaves.x)
     room = 2 * n
     rows, cols, cells = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.int32)
     places, radii = np.empty(RUN * LEAF, np.int32), np.empty(RUN * LEAF, np.float32)
+    others, ids = np.empty((6, RUN * LEAF), np.float32), np.empty(RUN * LEAF, np.int32)
+    kept = np.empty(total, np.bool_)
     found = 0
     for a in range(start, stop):
+        _joined(screen.leaves, a, a, screen.least, screen.largest, kept[: total - a])
         b = a
         while b < total:
-            first, b = b, _run(spheres, a, b, cap)
+            b, count = _gather(screen, kept, a, b, others, ids)
             for i in range(a * LEAF, min(a * LEAF + LEAF, n)):
-                begin, end = max(first * LEAF, i + 1), min(b * LEAF, n)
-                if begin >= end:
-                    continue
-                if found + end - begin > room:
+                if found + count > room:
                     rows, cols, cells = grown(rows), grown(cols), grown(cells)
                     room *= 2
                 _test(
-                    screen, i, screen.x[begin:end], screen.y[begin:end], screen.z[begin:end],
-                    screen.u[begin:end], screen.v[begin:end], screen.w[begin:end], places, radii,
+                    screen, i, others[0, :count], others[1, :count], others[2, :count],
+                    others[3, :count], others[4, :count], others[5, :count], places, radii,
                 )  # fmt: skip
-                for j in range(end - begin):
-                    if radii[j] <= screen.squares[places[j]]:
-                        rows[found], cols[found], cells[found] = i, begin + j, table[places[j]]
+                for k in range(count):
+                    if radii[k] <= screen.squares[places[k]] and ids[k] > i:
+                        rows[found], cols[found], cells[found] = i, ids[k], table[places[k]]
                         found += 1
-            b = max(b, first + 1)
     return rows[:found].copy(), cols[:found].copy(), cells[:found].copy()
 
 
 @compiled()
-def _run(spheres: Any, a: int, first: int, cap: float) -> Any:
-    """End of the run of leaves from `first` on that some ball may join to leaf a."""
-    b = first
-    while b < min(first + RUN, len(spheres)):
-        dx, dy, dz = (
-            spheres[a, 0] - spheres[b, 0],
-            spheres[a, 1] - spheres[b, 1],
-            spheres[a, 2] - spheres[b, 2],
-        )
-        far = spheres[a, 3] + spheres[b, 3] + 2.0 * cap
-        if dx * dx + dy * dy + dz * dz > far * far:
-            break
+def _gather(screen: Any, kept: Any, a: int, first: int, others: Any, ids: Any) -> Any:
+    """Points of the kept leaves from `first` on, as many as there is room for: next leaf and their number."""
+    b, count, n = first, 0, len(screen.x)
+    while b < len(screen.leaves.x) and count + LEAF <= len(ids):
+        if kept[b - a]:
+            for j in range(b * LEAF, min(b * LEAF + LEAF, n)):
+                others[0, count], others[1, count], others[2, count] = screen.x[j], screen.y[j], screen.z[j]
+                others[3, count], others[4, count], others[5, count] = screen.u[j], screen.v[j], screen.w[j]
+                ids[count] = j
+                count += 1
         b += 1
-    return b
+    return b, count
