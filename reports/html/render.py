@@ -126,10 +126,17 @@ def headline(table: pd.DataFrame, beyond: Collection[str] = ()) -> str:
     first, second = ranking[0], ranking[1]
     groups = table[table["kind"] == "matching"].groupby([*GROUP, "method"])["geodesic_mean"].mean()
     winners = groups.groupby(GROUP).idxmin().map(lambda key: key[-1])
-    won = int((winners == first["method"]).sum())
+    won, won_second = (int((winners == row["method"]).sum()) for row in (first, second))
+    means = [f"{row['mean']:.1f}" for row in (first, second)]
+    if means[0] == means[1]:
+        return (
+            f"Over all maps, {first['method']} and {second['method']} have the same mean geodesic error, "
+            f"{means[0]} (× 100 / √area); of {len(winners)} groups of data set and regime, the first is the "
+            f"best in {won} and the second in {won_second}."
+        )
     return (
-        f"Over all maps, {first['method']} has the lowest mean geodesic error, {first['mean']:.1f} "
-        f"(× 100 / √area), ahead of {second['method']} with {second['mean']:.1f}; it is the best in "
+        f"Over all maps, {first['method']} has the lowest mean geodesic error, {means[0]} "
+        f"(× 100 / √area), ahead of {second['method']} with {means[1]}; it is the best in "
         f"{won} of {len(winners)} groups of data set and regime."
     )
 

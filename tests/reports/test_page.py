@@ -2,11 +2,13 @@ import re
 import shutil
 from html.parser import HTMLParser
 
+import pandas as pd
 import pytest
 
 import reports
 from datasets_gen import InputError
 from evaluation.store import ResultsStore
+from reports.html.render import headline
 from reports.sections import chosen_pairs, pair_groups, scan_views, spread
 from reports.tables import plain
 from tests.reports.conftest import write_results
@@ -83,6 +85,23 @@ def test_the_page_says_what_was_found(built):
     assert "5 more pairs are not drawn" in words
     assert "two <poses>" in words  # escaped in the source, whole for the reader
     assert "numpy" in words
+
+
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        (1.24, "heat and medial have the same mean geodesic error, 1.2 (× 100 / √area); of 2 groups"),
+        (1.4, "heat has the lowest mean geodesic error, 1.2 (× 100 / √area), ahead of medial with 1.4"),
+    ],
+)
+def test_the_headline_claims_no_more_than_its_digits(second, said):
+    rows = [
+        {"kind": "matching", "dataset": "blob", "regime": regime, "method": method, "geodesic_mean": mean}
+        | {"geodesic_median": mean, "pck_auc": 0.9, "flipped": False}
+        for regime in ("easy", "hard")
+        for method, mean in (("medial", second), ("heat", 1.19))
+    ]
+    assert said in headline(pd.DataFrame(rows))
 
 
 def test_progress_counts_to_the_end(built):
