@@ -22,13 +22,13 @@ from medial.compiled import run_tasks
 from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
 from medial.flips import flip_verdict
-from medial.landmarks import extend, prepare, shared_times
-from medial.matching_pool import Candidate, diffusion_sets, first_landmarks, grown, middle_time
+from medial.landmarks import extend, middle_time, prepare, shared_times
+from medial.matching_pool import Candidate, diffusion_sets, first_landmarks, grown
 from medial.matching_register import Fit
 from medial.matching_types import MatchConfig, Matching
 from medial.matching_way import End, Placed, Sets, Way, search
 from medial.nearest import single_blas_thread
-from medial.neighbourhoods import neighbourhoods
+from medial.neighbourhoods import Float32, neighbourhoods
 from medial.paths import MedialPaths
 from medial.refine import Dense, spectral_refinement
 from medial.sampling import cluster_samples, spectral_samples
@@ -137,29 +137,34 @@ class Pair:
         self.diffusions, self.config, self.seed = (source, target), config, seed
         self.times = shared_times(source, target, config)
         clouds = common_units(source, target)
-        coordinates = run_tasks(neighbourhoods, [(diffusion,) for diffusion in self.diffusions])
-        rngs = [np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])]
-        if config.selection == "fit":
-            chosen = [
-                cluster_samples(x, config.samples, rng) for x, rng in zip(coordinates, rngs, strict=True)
-            ]
-        else:
-            chosen = [
-                spectral_samples(d, config.samples, rng) for d, rng in zip(self.diffusions, rngs, strict=True)
-            ]
-        sides = [prepare(d, self.times, some) for d, some in zip(self.diffusions, chosen, strict=True)]
+        samples = self._samples()
+        sides = [prepare(d, self.times, some) for d, some in zip(self.diffusions, samples, strict=True)]
         paths: list[MedialPaths | None] = [None, None]
         if config.paths and config.selection == "fit":
             paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
-        self.ends = [End(*parts) for parts in zip(sides, clouds, coordinates, paths, strict=True)]
+        self.ends = [End(*parts) for parts in zip(sides, clouds, paths, strict=True)]
+
+    def _samples(self) -> list[NDArray[np.int64]]:
+        """S_P and S_Q: by spectral clustering (Sec. 4); where the fit decides, they cover the surface."""
+        rngs = [np.random.default_rng([self.seed, k]) for k in (0, 1)]
+        count = self.config.samples
+        if self.config.selection == "fit":
+            return [cluster_samples(x, count, rng) for x, rng in zip(self._coordinates, rngs, strict=True)]
+        return [spectral_samples(d, count, rng) for d, rng in zip(self.diffusions, rngs, strict=True)]
+
+    @cached_property
+    def _coordinates(self) -> list[Float32]:
+        """Of both clouds: in which pieces of limbs are close."""
+        return run_tasks(neighbourhoods, [(diffusion,) for diffusion in self.diffusions])
 
     @cached_property
     def ways(self) -> list[Way]:
         """The source onto the target and, if both are wanted, the target onto the source."""
         here, there = self.ends
         both = self.config.both_ways and self.config.selection == "fit"
-        wanted = [(here, there, False), (there, here, True)][: 2 if both else 1]
-        return run_tasks(lambda a, b, backward: Way(a, b, self.times, self.config, backward), wanted)
+        first, second = self._coordinates
+        wanted = [(here, there, first, False), (there, here, second, True)][: 2 if both else 1]
+        return run_tasks(lambda a, b, x, backward: Way(a, b, x, self.times, self.config, backward), wanted)
 
     def given(self, landmarks: NDArray[np.int64]) -> list[list[Candidate]]:
         """The candidate that given landmarks (L, 2) make, for each way."""

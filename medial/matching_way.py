@@ -69,15 +69,12 @@ class End:
     side : Side
     cloud : Cloud
         In the units of the pair.
-    coordinates : (n, d) float32
-        In which pieces of limbs are close (`medial.neighbourhoods`).
     paths : MedialPaths, optional
         Where sets by path length are wanted.
     """
 
     side: Side
     cloud: Cloud
-    coordinates: Float32
     paths: MedialPaths | None
 
 
@@ -88,6 +85,8 @@ class Way:
     ----------
     source, target
         Here: of this way, not of the pair.
+    coordinates : (n, d) float32
+        `medial.neighbourhoods` of the source.
     times : (T,) float64
         Shared by the pair.
     config
@@ -96,13 +95,19 @@ class Way:
     """
 
     def __init__(
-        self, source: End, target: End, times: NDArray[np.float64], config: MatchConfig, backward: bool
+        self,
+        source: End,
+        target: End,
+        coordinates: Float32,
+        times: NDArray[np.float64],
+        config: MatchConfig,
+        backward: bool,
     ) -> None:
         self.source, self.target, self.times, self.config = source, target, times, config
-        self.backward = backward
+        self.coordinates, self.backward = coordinates, backward
         nodes = max(2, min(config.nodes, len(source.cloud) // 4))
         rows = source.side.samples
-        self.graph, self.attachment = NodeGraph.over(source.coordinates, source.cloud.points, rows, nodes)
+        self.graph, self.attachment = NodeGraph.over(coordinates, source.cloud.points, rows, nodes)
         self._quick = Registration.between(
             self.graph, self.attachment, source.cloud, target.cloud, rows, target.side.samples
         )
@@ -181,7 +186,7 @@ class Way:
     def fine(self, nodes: int) -> FineDeformation:
         """Fine deformations the same way."""
         return FineDeformation(
-            self.source.cloud, self.target.cloud, self.source.coordinates, self.source.side.samples, nodes
+            self.source.cloud, self.target.cloud, self.coordinates, self.source.side.samples, nodes
         )
 
 

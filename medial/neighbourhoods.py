@@ -18,7 +18,7 @@ PIECES = 80
 
 
 def neighbourhoods(diffusion: Diffusion) -> Float32:
-    """Coordinates in which points of one piece of a limb are close, (n, k + 3).
+    """Coordinates in which points of one piece of a limb are close, (n, k + 3) or (n, 3).
 
     The diffusion map keeps limbs apart that come close in space. But where the surface between two limbs is
     missing, an empty ball may span both, and diffusion takes them for one: positions keep these apart. Each
@@ -33,10 +33,10 @@ def neighbourhoods(diffusion: Diffusion) -> Float32:
     return np.hstack([diffused / piece_radius(diffused), space])
 
 
-def piece_radius(coordinates: Float32, pieces: int = PIECES) -> float:
+def piece_radius(coordinates: Float32) -> float:
     """Median distance of the points (n, d) from the nearest of some points far apart."""
     remote = int((coordinates**2).sum(axis=1).argmax())
-    count = min(pieces, max(len(coordinates) // 4, 1))
+    count = min(PIECES, max(len(coordinates) // 4, 1))
     centres = coordinates[farthest_points(coordinates, count, remote)]
     radius = float(np.median(nearest(coordinates, centres)[1]))
     return radius if radius > 0 else 1.0

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from medial.ball import columns
 from medial.compiled import compiled, grown, ranges, run_tasks
 from medial.similarity_grid import FINE, Grid
 from medial.similarity_tree import LEAF, Cloud
@@ -112,12 +113,10 @@ def make_screen(cloud: Cloud, grid: Grid, tangency: float, cap: float) -> Screen
     squares = ((MARGIN * grid.cells[:, 0]) ** 2).astype(np.float32)
     squares[0] = -1
     least, largest = np.float32((tangency / MARGIN) ** 2), np.float32((MARGIN * cap) ** 2)
-    lx, ly, lz = (np.ascontiguousarray(axis) for axis in (cloud.spheres[:, :3] - middle).T.astype(np.float32))
-    lu, lv, lw = (np.ascontiguousarray(axis) for axis in cloud.cones[:, :3].T.astype(np.float32))
-    radius, chord = (
-        cloud.spheres[:, 3].astype(np.float32),
-        np.sqrt(2 - 2 * cloud.cones[:, 3]).astype(np.float32),
-    )
+    lx, ly, lz = columns(cloud.spheres[:, :3] - middle, np.float32)
+    lu, lv, lw = columns(cloud.cones, np.float32)
+    radius = cloud.spheres[:, 3].astype(np.float32)
+    chord = np.sqrt(2 - 2 * cloud.cones[:, 3]).astype(np.float32)
     leaves = _Leaves(lx, ly, lz, radius, lu, lv, lw, chord)
     return Screen(x, y, z, u, v, w, box, counts, squares[grid.table], least, largest, leaves)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from medial.ball import candidate_ball, columns, smallest_width
+from medial.ball import candidate_ball, smallest_width
 from medial.similarity_grid import critical_grid
 from medial.similarity_pairs import _joined, make_screen
 from medial.similarity_tree import LEAF, kd_cloud
@@ -28,7 +28,7 @@ SHAPES = {
 
 def passing_leaves(cloud, tangency, cap):
     """Pairs of leaves that some ball tangent enough and small enough touches, by looking at all of them."""
-    position, normal = columns(np.stack([cloud.x, cloud.y, cloud.z], 1)), (cloud.u, cloud.v, cloud.w)
+    position, normal = (cloud.x, cloud.y, cloud.z), (cloud.u, cloud.v, cloud.w)
     count = len(cloud.spheres)
     found = np.zeros((count, count), dtype=bool)
     for i in range(len(cloud.x)):
