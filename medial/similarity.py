@@ -1,5 +1,7 @@
 """Medial similarity phi between all pairs of points (Eqs. 4-7)."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
@@ -8,10 +10,11 @@ from datasets_gen.records import InputError
 from medial.ball import SMALLEST_TANGENCY, smallest_width
 from medial.checks import check_cloud
 from medial.compiled import ranges
+from medial.device import CPU, backend, check_device
 from medial.similarity_empty import Settings, similarities
-from medial.similarity_grid import critical_grid
-from medial.similarity_pairs import candidate_pairs, make_screen
-from medial.similarity_tree import LEAF, kd_cloud
+from medial.similarity_grid import Grid, critical_grid
+from medial.similarity_pairs import Screen, candidate_pairs, make_screen
+from medial.similarity_tree import LEAF, Cloud, kd_cloud
 from medial.sparse import symmetric
 
 PAIRS_AT_ONCE = 10**8  # pairs of points examined before survivors are collected: bounds the memory
@@ -27,6 +30,7 @@ def similarity(
     *,
     r_cap: float | None = None,
     weights: NDArray[np.floating] | None = None,
+    device: str = CPU,
 ) -> csr_array:
     """Medial similarity of all pairs of points (Eq. 7).
 
@@ -44,6 +48,8 @@ def similarity(
     weights : (n,), optional
         How much each point counts in Eq. 5; 1 by default, which is the paper's formula as written. See
         `medial.density_weights` for weights that make phi independent of the number of points.
+    device : {"cpu", "cuda", "llvm"}
+        Where it is computed (`medial.device`); the last digits depend on it.
 
     Returns
     -------
@@ -54,14 +60,16 @@ def similarity(
     Raises
     ------
     InputError
-        If the arrays are not an oriented cloud, a parameter is out of range, or the cloud is so round that
-        most pairs are similar and the result would not fit in memory.
+        If the arrays are not an oriented cloud, a parameter is out of range, the device is missing, or the
+        cloud is so round that most pairs are similar and the result would not fit in memory.
     """
     points, normals = check_cloud(points, normals)
     n = len(points)
     mass = np.ones(n) if weights is None else np.ascontiguousarray(weights, dtype=np.float64)
     check_similarity(sigma_e, sigma_t, cutoff)
+    check_device(device)
     _check_weights(mass, n)
+    jit = None if device == CPU else backend(device)
     cap = smallest_width(points) if r_cap is None else float(r_cap)
     extent = float(np.ptp(points, axis=0).max())
     if cap <= 1e-9 * extent:
@@ -72,12 +80,15 @@ def similarity(
     cloud, order = kd_cloud(points, normals, mass)
     grid = critical_grid(cloud, sigma_e * np.sqrt(budget), tangency, cap)
     screen = make_screen(cloud, grid, tangency, cap)
+    if jit is None:
+        parts = _similar_pairs(cloud, grid, screen, settings, cutoff)
+    else:
+        from medial.similarity_device import similar_pairs  # imports Dr.Jit
+
+        parts = similar_pairs(jit, cloud, grid, screen, settings, cutoff)
     found, total = [], 0
-    for leaves in ranges(len(cloud.spheres), max(PAIRS_AT_ONCE // (n * LEAF), 16)):
-        pairs = candidate_pairs(grid, screen, leaves)
-        values = similarities(cloud, grid, pairs, settings)
-        kept = values >= cutoff
-        found.append((order[pairs.i[kept]], order[pairs.j[kept]], values[kept]))
+    for first, second, values in parts:
+        found.append((order[first], order[second], values))
         total += len(found[-1][2])
         if total > MOST_PAIRS:
             raise InputError(
@@ -86,6 +97,17 @@ def similarity(
             )
     i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
     return symmetric(i, j, phi, n)
+
+
+def _similar_pairs(
+    cloud: Cloud, grid: Grid, screen: Screen, settings: Settings, cutoff: float
+) -> Iterator[tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]]:
+    """Pairs i < j in kd order whose similarity reaches the cut-off, and it: a bounded number at a time."""
+    for leaves in ranges(len(cloud.spheres), max(PAIRS_AT_ONCE // (len(cloud.x) * LEAF), 16)):
+        pairs = candidate_pairs(grid, screen, leaves)
+        values = similarities(cloud, grid, pairs, settings)
+        kept = values >= cutoff
+        yield pairs.i[kept], pairs.j[kept], values[kept]
 
 
 def check_similarity(sigma_e: float, sigma_t: float, cutoff: float) -> None:
