@@ -77,9 +77,7 @@ def similar_pairs(
     middle = np.stack([cloud.x, cloud.y, cloud.z]).mean(axis=1)
     places = np.stack([cloud.x, cloud.y, cloud.z], axis=1) - middle
     normals = np.stack([cloud.u, cloud.v, cloud.w], axis=1)
-    single, double = _Points(*_packed(jit.Float, places, normals)), _Points(
-        *_packed(jit.Float64, places, normals)
-    )
+    single, double = (_Points(*_packed(kind, places, normals)) for kind in (jit.Float, jit.Float64))
     tables = _Tables(
         jit.Float(screen.box), jit.Float(screen.counts), jit.Float(screen.squares), jit.UInt32(grid.table)
     )
@@ -93,8 +91,8 @@ def similar_pairs(
 
 
 def _packed(kind: Any, *arrays: NDArray[np.float64]) -> list[Any]:
-    """Arrays of (n, 3) values on the device, four values a point."""
-    return [kind(np.pad(array, ((0, 0), (0, 1))).ravel()) for array in arrays]
+    """Arrays of (n, 3) values in memory of the device, four values a point."""
+    return [dr.opaque(kind(np.pad(array, ((0, 0), (0, 1))).ravel())) for array in arrays]
 
 
 def _vector(jit: Any, source: Any, index: Any, active: Any = True) -> Any:
@@ -173,7 +171,9 @@ def _similar(
     depth = _depths(jit, lists, ball, cell, most, alive)
     gamma = jit.Float64(depth) / sigma_e
     phi = dr.exp(-gamma * gamma - tilt)
-    kept = dr.compress(alive & (depth <= most) & (phi >= cutoff))
+    similar = alive & (depth <= most) & (phi >= cutoff)
+    dr.eval(i, j, phi, similar)  # at once, lest the loop run for each of them
+    kept = dr.compress(similar)
     i, j = (dr.gather(jit.UInt32, each, kept).numpy() for each in (i, j))
     return i, j, dr.gather(jit.Float64, phi, kept).numpy()
 

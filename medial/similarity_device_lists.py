@@ -62,14 +62,15 @@ def leaf_lists(
     reach[0] = -np.inf
     cells = np.column_stack([grid.cells[:, 1:] - middle, reach])
     cells[0, :3] = 0
-    centers, round_leaves = jit.Float(cells.astype(np.float32).ravel()), jit.Float(spheres.ravel())
-    cell, leaf, near = _within(jit, centers, round_leaves, len(cells), len(spheres))
+    flat = (cells.astype(np.float32).ravel(), spheres.ravel(), points.ravel())
+    centers, balls, offsets = (dr.opaque(jit.Float(each)) for each in flat)
+    cell, leaf, near = _within(jit, centers, balls, len(cells), len(spheres))
     order = dr.argsort(near)
     order = dr.gather(jit.UInt32, order, dr.argsort(dr.gather(jit.UInt32, cell, order)))
     counts = dr.zeros(jit.UInt32, len(cells) + 1)
     dr.scatter_add(counts, jit.UInt32(1), cell)
     leaf, near = dr.gather(jit.UInt32, leaf, order), dr.gather(jit.Float, near, order)
-    return Lists(dr.prefix_sum(counts), leaf, near, centers, round_leaves, jit.Float(points.ravel()))
+    return Lists(dr.prefix_sum(counts), leaf, near, centers, balls, offsets)
 
 
 def leaf_blocks(
