@@ -80,6 +80,7 @@ def similarity(
     cloud, order = kd_cloud(points, normals, mass)
     grid = critical_grid(cloud, sigma_e * np.sqrt(budget), tangency, cap)
     screen = make_screen(cloud, grid, tangency, cap)
+    parts: Iterator[tuple[NDArray[np.integer], NDArray[np.integer], NDArray[np.float64]]]
     if jit is None:
         parts = _similar_pairs(cloud, grid, screen, settings, cutoff)
     else:
@@ -95,6 +96,8 @@ def similarity(
                 f"more than {MOST_PAIRS:.3g} of the pairs of {n} points are similar: the shape is close to "
                 "a ball; give fewer points or a larger cutoff"
             )
+    if not found:
+        return csr_array((n, n))
     i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
     return symmetric(i, j, phi, n)
 

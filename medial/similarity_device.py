@@ -73,6 +73,8 @@ def similar_pairs(
         In kd order, i < j.
     phi : (pairs,) float64
     """
+    if len(grid.cells) == 1:
+        return  # all of space is too full
     n = len(cloud.x)
     middle = np.stack([cloud.x, cloud.y, cloud.z]).mean(axis=1)
     places = np.stack([cloud.x, cloud.y, cloud.z], axis=1) - middle
@@ -86,8 +88,9 @@ def similar_pairs(
     rows = max(PAIRS_AT_ONCE // n, 1)
     for first in range(1, n // 2 + 1, rows):
         last = min(first + rows, n // 2 + 1)
-        i, j = _culled(jit, single, tables, screen, n, (first, last))
-        yield _similar(jit, double, tables, lists, limits, i, j)
+        pairs = _culled(jit, single, tables, screen, n, (first, last))
+        if pairs is not None:
+            yield _similar(jit, double, tables, lists, limits, *pairs)
 
 
 def _packed(kind: Any, *arrays: NDArray[np.float64]) -> list[Any]:
@@ -132,8 +135,8 @@ def _entry(jit: Any, tables: _Tables, center: Any, active: Any) -> Any:
 
 def _culled(
     jit: Any, points: _Points, tables: _Tables, screen: Screen, n: int, steps: tuple[int, int]
-) -> tuple[Any, Any]:
-    """Pairs (i, i + step modulo n) that the single-precision test lets through, smaller index first.
+) -> tuple[Any, Any] | None:
+    """Pairs (i, i + step modulo n) that the single-precision test lets through, smaller index first, if any.
 
     Steps up to n / 2 meet every pair once; the last one, if n is even, meets it twice.
     """
@@ -152,8 +155,9 @@ def _culled(
     least, largest = dr.opaque(jit.Float, screen.least), dr.opaque(jit.Float, screen.largest)
     passes = once & (ball.gap > 0) & (ball.tangency >= least) & (ball.square <= largest)
     entry = _entry(jit, tables, ball.center, passes)
-    i, j, _ = pair(dr.compress(passes & (ball.square <= dr.gather(jit.Float, tables.squares, entry, passes))))
-    return i, j
+    passes &= ball.square <= dr.gather(jit.Float, tables.squares, entry, passes)
+    survivors = dr.compress(passes)
+    return pair(survivors)[:2] if dr.width(survivors) else None
 
 
 def _similar(
@@ -162,7 +166,7 @@ def _similar(
     """Those of some pairs whose similarity reaches the cut-off, and their similarity (Eq. 7)."""
     sigma_e, sigma_t, budget, cap, cutoff = (dr.gather(jit.Float64, limits, k) for k in range(5))
     cell = _cells(jit, points, tables, i, j, cap)
-    order = dr.argsort(cell)
+    order: Any = dr.argsort(cell)
     i, j, cell = (dr.gather(jit.UInt32, each, order) for each in (i, j, cell))
     ball = _candidates(jit, points, i, j)
     tilt = 4 * dr.maximum(2 - dr.sqrt(ball.tangency), 0) / (sigma_t * sigma_t)  # (tau / sigma_t)^2, Eq. 4
@@ -173,7 +177,7 @@ def _similar(
     phi = dr.exp(-gamma * gamma - tilt)
     similar = alive & (depth <= most) & (phi >= cutoff)
     dr.eval(i, j, phi, similar)  # at once, lest the loop run for each of them
-    kept = dr.compress(similar)
+    kept: Any = dr.compress(similar)
     i, j = (dr.gather(jit.UInt32, each, kept).numpy() for each in (i, j))
     return i, j, dr.gather(jit.Float64, phi, kept).numpy()
 

@@ -1,4 +1,4 @@
-"""On a device: for every cell of the critical-radius grid, the leaves that its balls can reach, nearest first."""
+"""On a device: the leaves that balls of every cell of the critical-radius grid can reach, nearest first."""
 
 from typing import Any, NamedTuple
 
@@ -65,7 +65,7 @@ def leaf_lists(
     flat = (cells.astype(np.float32).ravel(), spheres.ravel(), points.ravel())
     centers, balls, offsets = (dr.opaque(jit.Float(each)) for each in flat)
     cell, leaf, near = _within(jit, centers, balls, len(cells), len(spheres))
-    order = dr.argsort(near)
+    order: Any = dr.argsort(near)
     order = dr.gather(jit.UInt32, order, dr.argsort(dr.gather(jit.UInt32, cell, order)))
     counts = dr.zeros(jit.UInt32, len(cells) + 1)
     dr.scatter_add(counts, jit.UInt32(1), cell)
@@ -109,8 +109,10 @@ def _within(jit: Any, cells: Any, spheres: Any, count: int, total: int) -> tuple
             away = dr.sqrt(dr.square(a.x - b.x) + dr.square(a.y - b.y) + dr.square(a.z - b.z)) - b.w
             return cell, leaf, dr.maximum(away, 0), away <= a.w
 
-        cell, leaf, near, _ = measure(dr.compress(measure(k)[3]))
-        dr.eval(cell, leaf, near)
-        parts.append((cell, leaf, near))
+        found = dr.compress(measure(k)[3])
+        if dr.width(found):
+            cell, leaf, near, _ = measure(found)
+            dr.eval(cell, leaf, near)
+            parts.append((cell, leaf, near))
     cell, leaf, near = (dr.concat([part[k] for part in parts]) for k in range(3))
     return cell, leaf, near
