@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
 from datasets_gen.records import InputError
+from medial.device import CPU, check_device
 from medial.spectrum_inverse import inverse_lanczos
 from medial.spectrum_lanczos import filtered_lanczos
 
@@ -43,6 +44,7 @@ def smallest_modes(
     start: NDArray[np.float64] | None = None,
     *,
     factorise: bool = False,
+    device: str = CPU,
 ) -> Modes:
     """The `modes` smallest eigenpairs of ``S psi = lambda A psi``.
 
@@ -64,12 +66,15 @@ def smallest_modes(
     factorise
         Invert the matrix (`medial.spectrum_inverse`) rather than filter it (`medial.spectrum_lanczos`): for a
         few entries per row and eigenvalues of any spread, such as surface Laplacians.
+    device : {"cpu", "cuda", "llvm"}
+        Where the matrix is filtered (`medial.device`); dense and inverted matrices stay on the processor.
 
     Raises
     ------
     InputError
-        If there are not more points than modes.
+        If there are not more points than modes, or the device is missing.
     """
+    check_device(device)
     n = len(areas)
     _check(modes, n)
     scale = 1 / np.sqrt(areas)
@@ -85,7 +90,7 @@ def smallest_modes(
             values, vectors, residual = inverse_lanczos(matrix, wanted, constants, tolerance)
         else:
             warm = None if start is None else start / scale[:, None]
-            values, vectors, residual = filtered_lanczos(matrix, wanted, constants, tolerance, warm)
+            values, vectors, residual = filtered_lanczos(matrix, wanted, constants, tolerance, warm, device)
     values = np.concatenate([np.zeros(len(constants.T)), values])
     return _finish(values, np.concatenate([constants, vectors], axis=1), scale, residual)
 

@@ -7,11 +7,14 @@ Yang 2016], counts 1.25 times the pairs wanted: an edge placed exactly at the la
 """
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.sparse import csr_array
 
+from medial.device import CPU, backend
 from medial.spectrum_krylov import (
     BLOCK,
     SURPLUS,
@@ -33,7 +36,12 @@ RESTARTS = 3
 
 
 def filtered_lanczos(
-    matrix: csr_array, count: int, known: Array, tolerance: float, start: Array | None = None
+    matrix: csr_array,
+    count: int,
+    known: Array,
+    tolerance: float,
+    start: Array | None = None,
+    device: str = CPU,
 ) -> tuple[Array, Array, float]:
     """The `count` smallest eigenpairs orthogonal to `known` ones.
 
@@ -49,6 +57,8 @@ def filtered_lanczos(
         Largest residual relative to the largest eigenvalue.
     start : (n, m), optional
         Approximate eigenvectors.
+    device : {"cpu", "cuda", "llvm"}
+        Where the matrix is filtered (`medial.device`).
 
     Returns
     -------
@@ -58,6 +68,7 @@ def filtered_lanczos(
         Largest residual reached, relative to the largest eigenvalue.
     """
     n = matrix.shape[0]
+    transform = _transform(matrix, device)
     random = np.random.default_rng(0)
     ritz, weights, top = _density(matrix, random.standard_normal((n, BLOCK)))
     order = np.argsort(ritz)
@@ -67,7 +78,7 @@ def filtered_lanczos(
     for _ in range(RESTARTS):
         edge = min(max(edge, 1e-7 * top), 0.9 * top)
         degree = int(np.clip(round(DEGREE * np.sqrt(top / edge)), *DEGREES))
-        filtered = _Filter(matrix, degree, edge, top, tolerance)
+        filtered = _Filter(transform, degree, edge, top, tolerance)
         first = random.standard_normal((n, BLOCK))
         if start is not None:
             first = 1e-3 * first / np.sqrt(n) + start @ random.standard_normal((start.shape[1], BLOCK))
@@ -112,14 +123,14 @@ def _density(matrix: csr_array, probes: Array) -> tuple[Array, Array, float]:
 class _Filter:
     """The filtered matrix p, with p >= 1 below the edge and |p| <= 1 between edge and top."""
 
-    matrix: csr_array
+    transform: Callable[[Array, int, float, float], Array]
     degree: int
     edge: float
     top: float
     tolerance: float
 
     def apply(self, block: Array) -> Array:
-        image = chebyshev(self.matrix, block, self.degree, self.edge, self.top)
+        image = self.transform(block, self.degree, self.edge, self.top)
         return image if self.degree % 2 == 0 else -image
 
     def error(self, values: Array, residuals: Array) -> float:
@@ -132,6 +143,15 @@ class _Filter:
         lowest = (self.top + self.edge) / 2 - x * (self.top - self.edge) / 2
         largest = (residuals * (self.top - lowest) / np.maximum(values - 1, 1e-6)).max()
         return float(largest) / (self.tolerance * self.top)
+
+
+def _transform(matrix: csr_array, device: str) -> Callable[[Array, int, float, float], Array]:
+    """`chebyshev` of a matrix, on a device."""
+    if device == CPU:
+        return partial(chebyshev, matrix)
+    from medial.spectrum_device import chebyshev_on  # imports Dr.Jit
+
+    return chebyshev_on(backend(device), matrix)
 
 
 def chebyshev(matrix: csr_array, block: Array, degree: int, edge: float, top: float) -> Array:
