@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from datasets_gen.records import InputError
 from medial.area import calibrated, dual_areas, medial_axis
 from medial.checks import check_cloud, check_points
+from medial.device import CPU, backend, check_device
 from medial.heat import heat_laplacian
 from medial.laplacian import combine, diffusion_rates, gaussian_weights, laplacian
 from medial.normals import check_normals, estimate_normals
@@ -46,6 +47,8 @@ class Operator:
         every equation as written, so that the result depends on the number of points.
     tolerance
         Residual of the modes relative to the largest eigenvalue.
+    device : {"cpu", "cuda", "llvm"}
+        Where similarities and modes are computed (`medial.device`).
     """
 
     operator: str = "medial"
@@ -56,6 +59,7 @@ class Operator:
     cutoff: float = 1e-6
     reference_points: float | None = REFERENCE_POINTS
     tolerance: float = 1e-6
+    device: str = CPU
 
     def __post_init__(self) -> None:
         if self.operator not in OPERATORS:
@@ -69,6 +73,7 @@ class Operator:
         if not 0 < self.tolerance < 1:
             raise InputError(f"tolerance is {self.tolerance}; choose it in (0, 1)")
         check_similarity(self.sigma_e, self.sigma_t, self.cutoff)
+        check_device(self.device)
 
 
 @dataclass(frozen=True)
@@ -110,8 +115,10 @@ def build(
     Raises
     ------
     InputError
-        If the cloud cannot carry the operator.
+        If the cloud cannot carry the operator, or the device is missing.
     """
+    if config.device != CPU:
+        backend(config.device)  # missing: say so before anything is computed
     given = check_points(points)
     places, which, copies = np.unique(given, axis=0, return_inverse=True, return_counts=True)
     which = which.ravel()
@@ -187,7 +194,7 @@ def _build(
     else:
         weights, areas, centers, radii = medial_weights(points, normals, areas, config)
         stiffness = laplacian(weights, areas)
-    modes = smallest_modes(stiffness, areas, config.modes, config.tolerance, start)
+    modes = smallest_modes(stiffness, areas, config.modes, config.tolerance, start, device=config.device)
     return _Parts(areas, modes, centers, radii)
 
 
@@ -209,7 +216,15 @@ def medial_weights(
     """
     reference = config.reference_points
     mass = None if reference is None else density_weights(surface, reference)
-    phi = similarity(points, normals, config.sigma_e, config.sigma_t, config.cutoff, weights=mass)
+    phi = similarity(
+        points,
+        normals,
+        config.sigma_e,
+        config.sigma_t,
+        config.cutoff,
+        weights=mass,
+        device=config.device,
+    )
     if phi.nnz == 0:
         log.warning("no two points share a medial ball (a flat cloud?): only the Gaussian weights act")
     centers, radii = medial_axis(points, normals, phi)

@@ -5,6 +5,7 @@ import pytest
 from datasets_gen import InputError
 from evaluation import preview
 from evaluation.experiment import Condition, Experiment, presets
+from evaluation.plan import make_plan, shape_tasks
 from evaluation.toml import dumps
 from scanner_sim import ScannerConfig
 
@@ -107,6 +108,7 @@ def test_what_cannot_be_used_is_named(changes, message):
         ({"scan": {"views": 0}}, "views"),
         ({"operators": {"medial": {"etta": 0.5}}}, "unknown key 'etta'; did you mean 'eta'"),
         ({"operators": {"medial": {"eta": 2}}}, "eta"),
+        ({"operators": {"medial": {"device": "gpu"}}}, "unknown device 'gpu'; choose one of cpu, cuda, llvm"),
         ({"method": [{"name": "medial", "settings": {"landmark": 3}}]}, "did you mean 'landmarks'"),
         ({"method": [{"name": "medial", "config": "papr"}]}, "unknown config 'papr'; did you mean 'paper'"),
         ({"method": [{"name": "cpd", "bta": 1}]}, "unknown key 'bta'; did you mean 'beta'"),
@@ -142,3 +144,18 @@ def test_a_condition_keeps_what_is_not_replaced():
     base = Condition(threshold=0.4, scanner={"noise": 0.2, "stripes": 10})
     found = base.with_values({"scanner.noise": 0.5, "views": 3})
     assert (found.threshold, found.views, found.scanner) == (0.4, 3, {"noise": 0.5, "stripes": 10})
+
+
+def test_keys_depend_on_the_device_only_where_one_is_named(small):
+    """A result of another device differs in its last digits, so it is another result."""
+
+    def keys(**operators):
+        experiment = small(operators={"modes": 30, **operators})
+        shapes = shape_tasks(experiment)
+        about = {"subject": "s", "poses": ["a", "b"], "reference": "a"}
+        plan = make_plan(experiment, shapes, dict.fromkeys(shapes, about))
+        return {task.key for task in plan.tasks.values() if task.stage == "operator" and "heat" in task.label}
+
+    assert keys()
+    assert not keys() & keys(heat={"device": "llvm"})
+    assert not keys(heat={"device": "cuda"}) & keys(heat={"device": "llvm"})
