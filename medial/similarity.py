@@ -1,6 +1,7 @@
 """Medial similarity phi between all pairs of points (Eqs. 4-7)."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,37 +81,38 @@ def similarity(
     cloud, order = kd_cloud(points, normals, mass)
     grid = critical_grid(cloud, sigma_e * np.sqrt(budget), tangency, cap)
     screen = make_screen(cloud, grid, tangency, cap)
-    parts: Iterator[tuple[NDArray[np.integer], NDArray[np.integer], NDArray[np.float64]]]
     if jit is None:
-        parts = _similar_pairs(cloud, grid, screen, settings, cutoff)
-    else:
-        from medial.similarity_device import similar_pairs  # imports Dr.Jit
+        found = _bounded(_similar_pairs(cloud, order, grid, screen, settings, cutoff), n)
+        i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
+        return symmetric(i, j, phi, n)
+    from medial.similarity_device import joined, similar_pairs  # imports Dr.Jit
 
-        parts = similar_pairs(jit, cloud, grid, screen, settings, cutoff)
+    return joined(jit, _bounded(similar_pairs(jit, cloud, order, grid, screen, settings, cutoff), n), n)
+
+
+def _bounded(parts: Iterator[tuple[Any, Any, Any]], n: int) -> list[tuple[Any, Any, Any]]:
+    """All parts of the similar pairs (i, j, phi) of n points, if they fit in memory."""
     found, total = [], 0
-    for first, second, values in parts:
-        found.append((order[first], order[second], values))
-        total += len(found[-1][2])
+    for part in parts:
+        found.append(part)
+        total += len(part[2])
         if total > MOST_PAIRS:
             raise InputError(
                 f"more than {MOST_PAIRS:.3g} of the pairs of {n} points are similar: the shape is close to "
                 "a ball; give fewer points or a larger cutoff"
             )
-    if not found:
-        return csr_array((n, n))
-    i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
-    return symmetric(i, j, phi, n)
+    return found
 
 
 def _similar_pairs(
-    cloud: Cloud, grid: Grid, screen: Screen, settings: Settings, cutoff: float
-) -> Iterator[tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]]:
-    """Pairs i < j in kd order whose similarity reaches the cut-off, and it: a bounded number at a time."""
+    cloud: Cloud, order: NDArray[np.int64], grid: Grid, screen: Screen, settings: Settings, cutoff: float
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]]:
+    """Pairs whose similarity reaches the cut-off, and it: a bounded number at a time."""
     for leaves in ranges(len(cloud.spheres), max(PAIRS_AT_ONCE // (len(cloud.x) * LEAF), 16)):
         pairs = candidate_pairs(grid, screen, leaves)
         values = similarities(cloud, grid, pairs, settings)
         kept = values >= cutoff
-        yield pairs.i[kept], pairs.j[kept], values[kept]
+        yield order[pairs.i[kept]], order[pairs.j[kept]], values[kept]
 
 
 def check_similarity(sigma_e: float, sigma_t: float, cutoff: float) -> None:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from medial.ball import SMALLEST_TANGENCY
 from medial.similarity_device_lists import Lists, leaf_lists
@@ -24,6 +25,7 @@ from medial.similarity_empty import Settings
 from medial.similarity_grid import Grid
 from medial.similarity_pairs import Screen
 from medial.similarity_tree import LEAF, Cloud
+from medial.sparse_device import symmetric_on
 
 PAIRS_AT_ONCE = 2**25  # pairs of points tested before survivors are collected: bounds the memory
 
@@ -54,24 +56,31 @@ class _Ball(NamedTuple):
 
 
 def similar_pairs(
-    jit: Any, cloud: Cloud, grid: Grid, screen: Screen, settings: Settings, cutoff: float
-) -> Iterator[tuple[NDArray[np.uint32], NDArray[np.uint32], NDArray[np.float64]]]:
+    jit: Any,
+    cloud: Cloud,
+    order: NDArray[np.int64],
+    grid: Grid,
+    screen: Screen,
+    settings: Settings,
+    cutoff: float,
+) -> Iterator[tuple[Any, Any, Any]]:
     """Pairs of points whose similarity reaches the cut-off, a bounded number at a time.
 
     Parameters
     ----------
     jit
         ``drjit.cuda`` or ``drjit.llvm``.
-    cloud, grid, screen
-        The cloud in kd order, its critical-radius grid, and the bounds of the single-precision test.
+    cloud, order
+        The cloud in kd order, and the place of its points in the caller's arrays.
+    grid, screen
+        Critical radii, and the bounds of the single-precision test.
     settings, cutoff
         Parameters of Eq. 7 and the smallest similarity kept.
 
     Yields
     ------
-    i, j : (pairs,) uint32
-        In kd order, i < j.
-    phi : (pairs,) float64
+    i, j, phi : (pairs,) UInt32, UInt32, Float64
+        On the device, every pair once, in the caller's numbers.
     """
     if len(grid.cells) == 1:
         return  # all of space is too full
@@ -84,13 +93,24 @@ def similar_pairs(
         jit.Float(screen.box), jit.Float(screen.counts), jit.Float(screen.squares), jit.UInt32(grid.table)
     )
     lists = leaf_lists(jit, places, cloud.mass, grid, middle)
-    limits = jit.Float64([*settings, cutoff])
+    limits, given = jit.Float64([*settings, cutoff]), jit.UInt32(order.astype(np.uint32))
     rows = max(PAIRS_AT_ONCE // n, 1)
     for first in range(1, n // 2 + 1, rows):
         last = min(first + rows, n // 2 + 1)
         pairs = _culled(jit, single, tables, screen, n, (first, last))
         if pairs is not None:
-            yield _similar(jit, double, tables, lists, limits, *pairs)
+            i, j, phi = _similar(jit, double, tables, lists, limits, *pairs)
+            i, j = dr.gather(jit.UInt32, given, i), dr.gather(jit.UInt32, given, j)
+            dr.eval(i, j, phi)
+            yield i, j, phi
+
+
+def joined(jit: Any, parts: list[tuple[Any, Any, Any]], n: int) -> csr_array:
+    """The (n, n) matrix of all parts."""
+    if not parts:
+        return csr_array((n, n))
+    i, j, phi = (dr.concat([part[k] for part in parts]) for k in range(3))
+    return symmetric_on(jit, i, j, phi, n)
 
 
 def _packed(kind: Any, *arrays: NDArray[np.float64]) -> list[Any]:
@@ -162,7 +182,7 @@ def _culled(
 
 def _similar(
     jit: Any, points: _Points, tables: _Tables, lists: Lists, limits: Any, i: Any, j: Any
-) -> tuple[NDArray[np.uint32], NDArray[np.uint32], NDArray[np.float64]]:
+) -> tuple[Any, Any, Any]:
     """Those of some pairs whose similarity reaches the cut-off, and their similarity (Eq. 7)."""
     sigma_e, sigma_t, budget, cap, cutoff = (dr.gather(jit.Float64, limits, k) for k in range(5))
     cell = _cells(jit, points, tables, i, j, cap)
@@ -178,8 +198,8 @@ def _similar(
     similar = alive & (depth <= most) & (phi >= cutoff)
     dr.eval(i, j, phi, similar)  # at once, lest the loop run for each of them
     kept: Any = dr.compress(similar)
-    i, j = (dr.gather(jit.UInt32, each, kept).numpy() for each in (i, j))
-    return i, j, dr.gather(jit.Float64, phi, kept).numpy()
+    i, j = (dr.gather(jit.UInt32, each, kept) for each in (i, j))
+    return i, j, dr.gather(jit.Float64, phi, kept)
 
 
 def _cells(jit: Any, points: _Points, tables: _Tables, i: Any, j: Any, cap: Any) -> Any:

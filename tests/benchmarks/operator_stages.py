@@ -1,6 +1,6 @@
 """Time and peak memory of every stage of the medial operator, as JSON on standard output.
 
-    python -m tests.benchmarks.operator_stages POINTS [MODES] [--plain]
+    python -m tests.benchmarks.operator_stages POINTS [MODES] [--plain] [--cuda | --llvm]
 
 Run as a process of its own, so that the memory of one size is not counted for another.
 """
@@ -36,7 +36,7 @@ def scanned(points):
     return thinned(shape.at(faces, weights), normals, points)
 
 
-def stages(points, normals, modes, plain):
+def stages(points, normals, modes, plain=False, device="cpu"):
     """Seconds, processor seconds and peak megabytes by stage, and sizes."""
     report = {"points": len(points)}
 
@@ -46,14 +46,14 @@ def stages(points, normals, modes, plain):
 
     surface = timed("surface", surface_areas, points, normals)
     weights = density_weights(surface)
-    phi = timed("similarity", similarity, points, normals, weights=weights)
+    phi = timed("similarity", similarity, points, normals, weights=weights, device=device)
     centers, radii = timed("axis", medial_axis, points, normals, phi)
     areas = calibrated(timed("areas", dual_areas, points, centers, radii, normals, NEAREST), surface)
     alpha, bandwidths = timed("gaussian", gaussian_weights, points, surface)
     rates = diffusion_rates(bandwidths, surface.sum(), REFERENCE_POINTS)
     sigma = timed("combination", combine, phi, alpha, areas, 0.5, rates)
     stiffness = timed("laplacian", laplacian, sigma, areas)
-    found = timed("modes", smallest_modes, stiffness, areas, modes)
+    found = timed("modes", smallest_modes, stiffness, areas, modes, device=device)
     report["residual"] = found.residual
     report["phi per row"], report["sigma per row"] = phi.nnz / len(points), sigma.nnz / len(points)
     if plain:
@@ -65,10 +65,12 @@ def stages(points, normals, modes, plain):
 def main(arguments):
     numbers = [int(each) for each in arguments if each.isdigit()]
     points, modes = [*numbers, 300][:2]
+    plain = "--plain" in arguments
+    device = next((name for name in ("cuda", "llvm") if f"--{name}" in arguments), "cpu")
     cold = time.perf_counter()
-    stages(*scanned(1300), 20, "--plain" in arguments)
+    stages(*scanned(1300), 20, plain, device)
     cold = time.perf_counter() - cold
-    report = stages(*scanned(points), modes, "--plain" in arguments)
+    report = stages(*scanned(points), modes, plain, device)
     sys.stdout.write(json.dumps(report | {"first call": cold}) + "\n")
 
 
