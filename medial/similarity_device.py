@@ -100,9 +100,10 @@ def similar_pairs(
         pairs = _culled(jit, single, tables, screen, n, (first, last))
         if pairs is not None:
             i, j, phi = _similar(jit, double, tables, lists, limits, *pairs)
-            i, j = dr.gather(jit.UInt32, given, i), dr.gather(jit.UInt32, given, j)
-            dr.eval(i, j, phi)
-            yield i, j, phi
+            if dr.width(phi):
+                i, j = dr.gather(jit.UInt32, given, i), dr.gather(jit.UInt32, given, j)
+                dr.eval(i, j, phi)
+                yield i, j, phi
 
 
 def joined(jit: Any, parts: list[tuple[Any, Any, Any]], n: int) -> csr_array:
