@@ -3,7 +3,8 @@
 With `MatchConfig.paper()` this is Sec. 4 as written. By default
 
 1. many landmark sets are grown, each with its alternatives (left for right, arm for leg),
-2. each is tried out: the source is deformed along its map and settles on the target, or the other way round,
+2. each is tried out: the source is deformed along its map and settles on the target, or the other way round;
+   so are rigid motions,
 3. parts are exchanged between the settled maps (one may have the arms right and another the legs),
 4. the best are deformed finely; points of the two clouds that come to lie together are matches.
 """
@@ -41,9 +42,9 @@ ADOPTED = (0.25, 8)
 """Fits whose score is within this of the best are looked at with fine nodes, at most so many."""
 FINALIST = 0.2
 """Of those, what is worth less than the best by more than this is not settled finely."""
-COARSE_COST, FINE_COST = 500.0, 1000.0
-"""Cost of the mean square strain of a quick fit, and of its pose carried over to fine nodes. What settling
-finely adds to the strain is noise."""
+SETTLED = 0.5
+"""Worth of what a fit sees once it is settled finely, added to its score. What settling finely adds to the
+strain is noise."""
 
 
 def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
@@ -193,10 +194,13 @@ class Pair:
         candidates
             Of each way.
         more
-            Further ones, for when none of the first makes most of both surfaces meet.
+            Further ones, for when none of the first makes most of both surfaces meet; None is to search no
+            further than the first, not from rigid motions either.
         """
         ways, config = self.ways, self.config
         followed, settled = self._tried(candidates)
+        if more is not None and config.rigid_starts:
+            settled = _joined(settled, [way.from_rigid() for way in ways])
         if more is not None and max(fit.seen for fits in settled for fit in fits) < ENOUGH:
             others = more()
             candidates, before = _joined(candidates, others), (followed, settled)
@@ -248,15 +252,14 @@ class Pair:
             return fine[way].judge(fine[way].adopt(way.graph, way.attachment, fit.pose))
 
         looked = run_tasks(adopted, near)
-        coarse = np.array([fit.seen - COARSE_COST * fit.strain for _, fit in near])
-        coarse -= FINE_COST * np.array([fit.strain for fit in looked])
-        worth = coarse + [fit.seen for fit in looked]
+        scores = np.array([fit.score for _, fit in near])
+        worth = scores + [SETTLED * fit.seen for fit in looked]
         chosen, last = 0, looked[0]
         if final:
             order = np.argsort(-worth, kind="stable")[: self.config.finalists]
             order = order[worth[order] > worth.max() - FINALIST]
             settled = run_tasks(lambda k: fine[near[k][0]].settle(looked[k].pose), [(k,) for k in order])
-            first = int(np.argmax(coarse[order] + [fit.seen for fit in settled]))
+            first = int(np.argmax(scores[order] + [SETTLED * fit.seen for fit in settled]))
             chosen, last = int(order[first]), settled[first]
         way = near[chosen][0]
         return near[chosen], fine[way].inverse(last) if way.backward else fine[way].dense(last)

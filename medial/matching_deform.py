@@ -159,12 +159,7 @@ class NodeGraph:
         after = np.linalg.norm(pose.positions[i] - pose.positions[j], axis=1)
         growth = np.maximum(after - ELASTIC * before, 0) / np.maximum(before, SHORT)
         strength = 1 / (1 + (growth / TORN) ** 2)
-        best = np.zeros((len(self), len(self)))
-        best[i, j] = best[j, i] = strength
-        np.fill_diagonal(best, 1)
-        for k in range(len(self)):
-            np.maximum(best, np.minimum(best[:, k : k + 1], best[k]), out=best)
-        share = best.mean(axis=1)
+        share = kernels.strongest_paths(len(self), self.edges, strength).mean(axis=1)
         return np.asarray(share / share.max())
 
     def strain(self, pose: Pose) -> float:

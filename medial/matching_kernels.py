@@ -1,4 +1,4 @@
-"""Compiled inner loops of `medial.matching_deform`: blending, and the normal equations."""
+"""Compiled inner loops of `medial.matching_deform`: blending, the normal equations, paths between nodes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -307,3 +307,33 @@ def cholesky_solve(system: Float, right: Float) -> Float:
             x[j] -= factor[i, j] * x[i]
         x[j] /= factor[j, j]
     return x
+
+
+@compiled()
+def strongest_paths(count: int, edges: Int, strength: Float) -> Float:
+    """Strength of the best path between any two nodes, (N, N): that of its weakest edge; 1 to itself.
+
+    Trees grow by edges, the strongest first: the one that joins two of them is the weakest on the best path
+    from any node of the one to any of the other.
+
+    Parameters
+    ----------
+    count
+        N.
+    edges : (E, 2)
+    strength : (E,)
+        In [0, 1].
+    """
+    best, tree = np.zeros((count, count)), np.arange(count)
+    for k in range(count):
+        best[k, k] = 1.0
+    for e in np.argsort(-strength):
+        here, there = tree[edges[e, 0]], tree[edges[e, 1]]
+        if here == there:
+            continue
+        first, second = np.flatnonzero(tree == here), np.flatnonzero(tree == there)
+        for i in first:
+            for j in second:
+                best[i, j] = best[j, i] = strength[e]
+        tree[second] = here
+    return best

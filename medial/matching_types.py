@@ -55,6 +55,9 @@ class MatchConfig:
     """What picks a map: the lowest cost of Eq. 17, or how well the deformed source fits the target."""
     both_ways: bool = True
     """Also deform the target onto the source; the better fit wins. Only with selection ``"fit"``."""
+    rigid_starts: bool = True
+    """Also start from rigid motions that take principal axes to principal axes; only with selection
+    ``"fit"``."""
     recombine: bool = True
     """Exchange parts between maps before one is picked; only with selection ``"fit"``."""
     refine: Literal["none", "spectral", "deform"] = "deform"
@@ -95,6 +98,7 @@ class MatchConfig:
             paths=False,
             selection="cost",
             both_ways=False,
+            rigid_starts=False,
             recombine=False,
             refine="none",
         )

@@ -26,6 +26,7 @@ from medial.matching_pool import (
 )
 from medial.matching_recombine import Exchange, distinct, recombine
 from medial.matching_register import Fit, Registration, Schedule, features
+from medial.matching_rigid import rigid_poses
 from medial.matching_types import MatchConfig
 from medial.paths import MedialPaths
 from medial.refine import FineDeformation
@@ -35,8 +36,16 @@ LIKE = 0.02
 """Maps that put the points closer together than this, in sqrt(area), before they settle count as one."""
 EARLY = 5
 """Rounds of closest points before like fits are merged again and the worst are dropped."""
-PROMISING = 20
+PROMISING = 12
 """Distinct fits of a way that are settled to the end."""
+ANEW = 6
+"""Of those, distinct ones that are settled anew with each of `STIFF`."""
+STIFF = tuple(Schedule(stiffness=(first, 0.01)) for first in (100.0, 300.0))
+"""Nearly rigid at first: a limb that went astray is pulled back by what it hangs on, and looks again."""
+RIGID = Schedule(rounds=25, stiffness=(1000.0, 0.01), reach=(0.25, 0.03))
+"""From rigid motions: stiffer, and looking further, as nothing is in place yet."""
+RIGID_EARLY, RIGID_KEPT = 8, 6
+"""Rounds of `RIGID` after which only so many distinct fits go on."""
 HANDED_OVER = (8, 2)
 """Fits that each way hands to the other, before and after parts are exchanged."""
 
@@ -149,10 +158,19 @@ class Way:
         return run_tasks(lambda c: self._quick.judge(self._along(c.at_samples)), [(c,) for c in candidates])
 
     def settle(self, followed: list[Fit]) -> list[Fit]:
-        """Settle the distinct ones for some rounds, and the promising of these to the end."""
+        """Settle the distinct ones for some rounds, the promising of these to the end, and the best anew."""
         few = [(fit.pose, QUICK, 0, EARLY) for fit in distinct(followed, len(followed), LIKE)]
         begun = run_tasks(self._quick.settle, few)
         rest = [(fit.pose, QUICK, EARLY) for fit in distinct(begun, PROMISING)]
+        settled = run_tasks(self._quick.settle, rest)
+        anew = [(fit.pose, stiff) for fit in distinct(settled, ANEW) for stiff in STIFF]
+        return settled + run_tasks(self._quick.settle, anew)
+
+    def from_rigid(self) -> list[Fit]:
+        """Settle from rigid motions that take principal axes to principal axes."""
+        poses = rigid_poses(self.graph, self.source.cloud.points, self.target.cloud.points)
+        begun = run_tasks(self._quick.settle, [(pose, RIGID, 0, RIGID_EARLY) for pose in poses])
+        rest = [(fit.pose, RIGID, RIGID_EARLY) for fit in distinct(begun, RIGID_KEPT)]
         return run_tasks(self._quick.settle, rest)
 
     def exchange(self, fits: list[Fit]) -> list[Fit]:

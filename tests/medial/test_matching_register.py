@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from medial.matching_deform import Pose
-from medial.matching_register import NORMAL_LENGTH, SEEN_WITHIN, STRAIN_COST, Schedule, features, found
+from medial.matching_register import (
+    HELD_WORTH,
+    NORMAL_LENGTH,
+    SEEN_WITHIN,
+    STRAIN_COST,
+    Schedule,
+    features,
+    found,
+)
 from tests.medial.clouds import rotation, sphere
 from tests.medial.posed import (
     Setup,
@@ -96,13 +104,16 @@ def test_the_identity_scores_best(at_rest):
     assert np.allclose(fit.moved, at_rest.points)
 
 
-def test_the_score_is_what_is_seen_less_the_strain(at_rest):
+def test_the_score_is_what_is_seen_and_held_less_the_strain(at_rest):
     pose = rest_pose(at_rest.graph)
-    pose.positions[:5] += 0.05
+    pose.positions[:5] += 0.5
     fit = at_rest.registration.judge(pose)
     assert fit.strain > 1e-6
-    assert fit.score == pytest.approx(fit.found.mean() + fit.found_back.mean() - STRAIN_COST * fit.strain)
+    assert fit.held < 0.9
+    seen = fit.found.mean() + fit.found_back.mean()
+    assert fit.score == pytest.approx(seen + HELD_WORTH * fit.held - STRAIN_COST * fit.strain)
     assert fit.strain == at_rest.graph.strain(pose)
+    assert fit.held == at_rest.graph.held(pose).mean()
 
 
 def test_far_away_nothing_is_found(at_rest):
