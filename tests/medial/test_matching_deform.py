@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
@@ -367,3 +369,17 @@ def test_attachments_to_fewer_nodes_than_influences():
     assert hang.nodes.shape == (30, 2)
     assert np.allclose(hang.weights.sum(axis=1), 1)
     assert np.allclose(moved(points, points, hang, graph, rest_pose(graph))[0], points)
+
+
+@settings(max_examples=30, deadline=None, derandomize=True, database=None)
+@given(st.integers(2, 12), st.integers(0, 40), st.integers(0, 10**6))
+def test_the_strongest_path_is_as_strong_as_its_weakest_edge(count, size, seed):
+    random = np.random.default_rng(seed)
+    edges = random.integers(0, count, (size, 2))
+    strength = random.random(size).round(1)  # with ties
+    best = np.eye(count)
+    for (i, j), value in zip(edges, strength, strict=True):
+        best[i, j] = best[j, i] = max(best[i, j], value)
+    for k in range(count):
+        best = np.maximum(best, np.minimum(best[:, k : k + 1], best[k]))
+    assert np.array_equal(kernels.strongest_paths(count, edges, strength), best)

@@ -8,7 +8,7 @@ import pytest
 from medial import match
 from medial.matching import Pair
 from medial.matching_way import Placed, Sets, search
-from tests.medial.posed import bent_figure, figure
+from tests.medial.posed import bent_figure, figure, legs, right_arm
 from tests.medial.test_default_matching import BENT, SMALL, errors, other_sample, truth  # noqa: F401
 
 
@@ -36,6 +36,20 @@ def test_both_ways_find_the_same_map(pair, found):
     for way, fits in zip(pair.ways, found, strict=True):
         places = way.placed(fits[0]).places
         assert np.linalg.norm(places - true_places(pair), axis=1).mean() < 0.03
+
+
+def test_an_arm_that_went_astray_is_pulled_back(pair):
+    there = pair.ways[0]
+    true = pair.ends[0].side.samples  # target points have the source's order
+    goal = true.copy()
+    arm = right_arm(figure().points[true])
+    goal[arm] = np.flatnonzero(legs(figure().points))[0]  # the arm goes to the feet
+    wrong = replace(pair.given(np.array([[0, 0]]))[0][0], at_samples=goal)
+    settled = there.settle(there.follow([wrong]))
+    gaps = [np.linalg.norm(there.placed(fit).places - true_places(pair), axis=1).mean() for fit in settled]
+    best = max(range(len(settled)), key=lambda k: settled[k].score)
+    assert gaps[0] > 0.05  # settled softly it stays where it is
+    assert gaps[best] < 0.03
 
 
 def test_a_fit_turned_round_is_the_same_map(pair, found):
