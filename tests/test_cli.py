@@ -127,7 +127,7 @@ def test_the_installed_command_ends_with_a_status_and_one_line(tmp_path):
 def test_doctor_names_variants_and_methods():
     result = run("doctor", "-q")
     assert result.exit_code == 0, result.output
-    for word in ("scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb", "medial", "heat", "mitsuba", "Python"):
+    for word in ("scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb", "device cpu", "device cuda", "heat", "mitsuba"):
         assert word.lower() in result.output.lower()
 
 
@@ -377,6 +377,8 @@ def test_clouds_that_cannot_be_matched_are_refused(scan_file, tmp_path):
     fails(run("match", scan_file, scan_file, "-o", out, "--set", "colour"), "NAME=VALUE", status=2)
     fails(run("match", scan_file, scan_file, "-o", out, "--method", "truth-landmarks"), "ground truth")
     fails(run("match", scan_file, scan_file, "-o", tmp_path / "m.txt"), ".npz")
+    fails(run("match", scan_file, scan_file, "-o", out, "--device", "gpu"), "'gpu'", "cuda")
+    fails(run("symmetry", scan_file, "-o", out, "--device", "gpu"), "'gpu'", "cuda")
     (tmp_path / "cut.npz").write_bytes(scan_file.read_bytes()[:1000])
     fails(run("match", tmp_path / "cut.npz", scan_file, "-o", out), "cut.npz")
     assert not out.exists()

@@ -25,9 +25,9 @@ class Check(NamedTuple):
 
 @click.command(cls=Command, short_help="Say what works on this machine.")
 def doctor(quiet: bool) -> None:
-    """Say which scanner variants, libraries and methods work here; fails if the scanner cannot run."""
+    """Say which scanner variants, devices and methods work here; fails if the scanner cannot run."""
     checks: list[Check] = []
-    parts = (system, variants, methods)
+    parts = (system, variants, devices, methods)
     with Bar(len(parts), "looking around", quiet) as bar:
         for part in parts:
             bar.describe(f"looking at {part.__name__}")
@@ -79,6 +79,21 @@ def variants() -> Iterator[Check]:
         yield Check("ok", "scanner", f"uses {report['chosen']} ({about})")
     else:
         yield Check("bad", "scanner", f"{report['error']} ({about})")
+
+
+def devices() -> Iterator[Check]:
+    """Where the medial operator can be built."""
+    from datasets_gen.records import InputError
+    from medial.device import CPU, DEVICES, backend
+
+    for device in DEVICES:
+        try:
+            if device != CPU:
+                backend(device)
+        except InputError as error:
+            yield Check("off", f"device {device}", str(error))
+        else:
+            yield Check("ok", f"device {device}", "works" if device != CPU else "works, used by default")
 
 
 def methods() -> Iterator[Check]:

@@ -36,6 +36,12 @@ def _shared(command: Callable[..., None]) -> Callable[..., None]:
             help="Eigenfunctions to use.",
         ),
         click.option(
+            "--device",
+            default="cpu",
+            show_default=True,
+            help="Where operators are built: cpu, or cuda on a GPU; see medialbench doctor.",
+        ),
+        click.option(
             "--points",
             default=POINTS,
             show_default=True,
@@ -70,6 +76,7 @@ def match(
     out: Path,
     points: int,
     modes: int,
+    device: str,
     seed: int,
     repair: bool,
     picture: Path | None,
@@ -107,12 +114,19 @@ def match(
         sides: list[Cloud] = []
         for cloud, path in zip(clouds, (source, target), strict=True):
             next(step)
-            operators = {name: _operator(cloud, name, modes) for name in matcher.operators}
+            operators = {name: _operator(cloud, name, modes, device) for name in matcher.operators}
             sides.append(Cloud(name=path.stem, scan=cloud.scan, operators=operators))
         next(step)
         found = matcher.match(sides[0], sides[1], seed=seed)
         next(step)
-        _write(out, "Correspondence", clouds[0], clouds[1], found, {"method": method, "seed": seed})
+        _write(
+            out,
+            "Correspondence",
+            clouds[0],
+            clouds[1],
+            found,
+            {"method": method, "seed": seed, "device": device},
+        )
         if picture is not None:
             _draw(picture, clouds, (source.name, target.name), found)
     note(quiet, f"{_summary(found, clouds[0])}; written to {out}")
@@ -126,6 +140,7 @@ def symmetry(
     out: Path,
     points: int,
     modes: int,
+    device: str,
     seed: int,
     repair: bool,
     picture: Path | None,
@@ -146,20 +161,23 @@ def symmetry(
         from medial import intrinsic_symmetry
 
         next(step)
-        operator = _operator(whole, "medial", modes)
+        operator = _operator(whole, "medial", modes, device)
         next(step)
         found = intrinsic_symmetry(operator, seed=seed)
         next(step)
-        _write(out, "Correspondence", whole, whole, found, {"method": "symmetry", "seed": seed})
+        _write(
+            out, "Correspondence", whole, whole, found, {"method": "symmetry", "seed": seed, "device": device}
+        )
         if picture is not None:
             _draw(picture, (whole, whole), (cloud.name, cloud.name), found)
     note(quiet, f"{_summary(found, whole)}; written to {out}")
 
 
-def _operator(cloud: "FileCloud", name: str, modes: int) -> Any:
+def _operator(cloud: "FileCloud", name: str, modes: int, device: str) -> Any:
     from medial import Diffusion
 
-    return Diffusion.from_points(cloud.scan.points, cloud.scan.normals, operator=name, modes=modes)
+    scan = cloud.scan
+    return Diffusion.from_points(scan.points, scan.normals, operator=name, modes=modes, device=device)
 
 
 def _write(
