@@ -26,10 +26,11 @@ def density(sizes):
         made = {n: Diffusion.from_points(*scanned(n), modes=51, **settings) for n in sizes}
         probes = made[min(sizes)].points[::25]
         for n in sizes[:-1]:
-            scale, spread, errors = compare(made[n], made[sizes[-1]], probes)
+            scale, spread, errors, medians = compare(made[n], made[sizes[-1]], probes)
             say(
                 f"{name:<13} {n:>6} against {sizes[-1]}: scale {scale:.3f}, spread {100 * spread:.1f} %, "
-                f"m_t {100 * errors.min():.1f} to {100 * errors.max():.1f} %, area {made[n].areas.sum():.3f}"
+                f"m_t {100 * errors.min():.1f} to {100 * errors.max():.1f} %, m_t(x, x) in the median "
+                f"{100 * medians.min():.1f} to {100 * medians.max():.1f} %, area {made[n].areas.sum():.3f}"
             )
         say(f"{name:<13} {sizes[-1]:>6}: area {made[sizes[-1]].areas.sum():.3f}")
 
