@@ -4,7 +4,7 @@ With `MatchConfig.paper()` this is Sec. 4 as written. By default
 
 1. many landmark sets are grown, each with its alternatives (left for right, arm for leg),
 2. each is tried out: the source is deformed along its map and settles on the target, or the other way round;
-   so are rigid motions,
+   so are rigid motions where no set makes the surfaces meet,
 3. parts are exchanged between the settled maps (one may have the arms right and another the legs),
 4. the best are deformed finely; points of the two clouds that come to lie together are matches.
 """
@@ -194,17 +194,17 @@ class Pair:
         candidates
             Of each way.
         more
-            Further ones, for when none of the first makes most of both surfaces meet; None is to search no
-            further than the first, not from rigid motions either.
+            Further ones, for when none of the first makes most of both surfaces meet: then rigid motions are
+            tried as well.
         """
         ways, config = self.ways, self.config
         followed, settled = self._tried(candidates)
-        if more is not None and config.rigid_starts:
-            settled = _joined(settled, [way.from_rigid() for way in ways])
         if more is not None and max(fit.seen for fits in settled for fit in fits) < ENOUGH:
             others = more()
             candidates, before = _joined(candidates, others), (followed, settled)
             followed, settled = (_joined(a, b) for a, b in zip(before, self._tried(others), strict=True))
+            if config.rigid_starts:
+                settled = _joined(settled, [way.from_rigid() for way in ways])
         pools = search(ways, settled)
         (way, best), dense = self._finish(pools)
         starts, pool = self._placed(followed), self._placed(pools)

@@ -56,8 +56,8 @@ class MatchConfig:
     both_ways: bool = True
     """Also deform the target onto the source; the better fit wins. Only with selection ``"fit"``."""
     rigid_starts: bool = True
-    """Also start from rigid motions that take principal axes to principal axes; only with selection
-    ``"fit"``."""
+    """Where no landmark set makes the surfaces meet, start from rigid motions too, principal axes on
+    principal axes; only with selection ``"fit"``."""
     recombine: bool = True
     """Exchange parts between maps before one is picked; only with selection ``"fit"``."""
     refine: Literal["none", "spectral", "deform"] = "deform"
