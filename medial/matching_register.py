@@ -31,7 +31,7 @@ SEEN_WITHIN = 0.03
 """Distance, in sqrt(area), at which a point counts half as found."""
 STRAIN_COST, HELD_WORTH = 250.0, 0.75
 """Cost of the mean square strain (in areas), and worth of the share of the body that holds together, in the
-score of a fit. Fitted to some 900 fits of 52 hard pairs, a third of them right."""
+score of a fit. Fitted to some 900 fits of 52 hard pairs."""
 SMALLEST_SCALE = 0.01
 """Residuals below this, in sqrt(area), are never outliers of a node's motion."""
 BELIEVED = 0.1

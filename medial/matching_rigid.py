@@ -16,6 +16,8 @@ import numpy as np
 
 from medial.matching_deform import Float, NodeGraph, Pose
 
+_SIGNS = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)]
+
 
 def principal_axes(points: Float) -> Float:
     """Principal axes of points (n, 3) as the columns of an orthogonal matrix, (3, 3)."""
@@ -49,5 +51,3 @@ def rigid_poses(graph: NodeGraph, source: Float, target: Float) -> list[Pose]:
     arms = graph.rest - here
     return [Pose(np.repeat(turn[None], len(graph), axis=0), arms @ turn.T + there) for turn in turns]
 
-
-_SIGNS = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)]

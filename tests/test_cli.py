@@ -127,7 +127,8 @@ def test_the_installed_command_ends_with_a_status_and_one_line(tmp_path):
 def test_doctor_names_variants_and_methods():
     result = run("doctor", "-q")
     assert result.exit_code == 0, result.output
-    for word in ("scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb", "device cpu", "device cuda", "heat", "mitsuba"):
+    variants, devices = ("scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb"), ("device cpu", "device cuda")
+    for word in (*variants, *devices, "medial", "heat", "mitsuba", "Python"):
         assert word.lower() in result.output.lower()
 
 

@@ -119,14 +119,8 @@ def match(
         next(step)
         found = matcher.match(sides[0], sides[1], seed=seed)
         next(step)
-        _write(
-            out,
-            "Correspondence",
-            clouds[0],
-            clouds[1],
-            found,
-            {"method": method, "seed": seed, "device": device},
-        )
+        about = {"method": method, "seed": seed, "device": device}
+        _write(out, clouds[0], clouds[1], found, about)
         if picture is not None:
             _draw(picture, clouds, (source.name, target.name), found)
     note(quiet, f"{_summary(found, clouds[0])}; written to {out}")
@@ -165,9 +159,7 @@ def symmetry(
         next(step)
         found = intrinsic_symmetry(operator, seed=seed)
         next(step)
-        _write(
-            out, "Correspondence", whole, whole, found, {"method": "symmetry", "seed": seed, "device": device}
-        )
+        _write(out, whole, whole, found, {"method": "symmetry", "seed": seed, "device": device})
         if picture is not None:
             _draw(picture, (whole, whole), (cloud.name, cloud.name), found)
     note(quiet, f"{_summary(found, whole)}; written to {out}")
@@ -181,7 +173,7 @@ def _operator(cloud: "FileCloud", name: str, modes: int, device: str) -> Any:
 
 
 def _write(
-    out: Path, kind: str, source: "FileCloud", target: "FileCloud", found: "Matching", about: dict[str, Any]
+    out: Path, source: "FileCloud", target: "FileCloud", found: "Matching", about: dict[str, Any]
 ) -> None:
     """Carry a map from the matched points to all points of the files, and save it."""
     import numpy as np
@@ -197,7 +189,7 @@ def _write(
         "source_points": source.points,
         "target_points": target.points,
     }
-    save_record(out, kind, arrays, {"cost": float(found.cost), "flip": found.flip, **about})
+    save_record(out, "Correspondence", arrays, {"cost": float(found.cost), "flip": found.flip, **about})
 
 
 def _check_outputs(out: Path, picture: Path | None) -> None:

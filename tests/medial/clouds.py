@@ -102,3 +102,9 @@ def rotation(seed=0):
     q, r = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))
     q = q * np.sign(np.diag(r))
     return q * np.sign(np.linalg.det(q))
+
+
+def random_cloud(n, seed=0):
+    """Nothing to bound: positions and normals at random."""
+    points, normals = np.random.default_rng(seed).normal(size=(2, n, 3))
+    return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)

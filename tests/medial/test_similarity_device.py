@@ -18,12 +18,6 @@ CUTOFF = 1e-6
 pytestmark = on_each
 
 
-def random_cloud(n):
-    """Nothing that the culling relies on holds."""
-    points, normals = np.random.default_rng(3).standard_normal((2, n, 3))
-    return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
-
-
 WEIGHTS = np.random.default_rng(0).uniform(0.2, 3, 501)
 CASES = {
     "body": (clouds.body(2000), {}),
@@ -33,7 +27,7 @@ CASES = {
     "sphere": (clouds.sphere(500), {}),
     "weights": (clouds.torus(501), {"weights": WEIGHTS}),
     "settings": (clouds.body(700), {"sigma_e": 9.0, "sigma_t": 1.2, "r_cap": 0.1}),
-    "no structure": (random_cloud(300), {"sigma_e": 20.0}),
+    "no structure": (clouds.random_cloud(300), {"sigma_e": 20.0}),
     "far from the origin": ((clouds.body(700)[0] + 300, clouds.body(700)[1]), {}),
 }
 

@@ -9,19 +9,12 @@ from medial.similarity_pairs import _joined, make_screen
 from medial.similarity_tree import LEAF, kd_cloud
 from tests.medial import clouds
 
-
-def random_cloud(n, seed=0):
-    """Nothing to bound: positions and normals at random."""
-    points, normals = np.random.default_rng(seed).normal(size=(2, n, 3))
-    return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
-
-
 SHAPES = {
     "sphere": clouds.sphere(400),
     "cylinder": clouds.cylinder(400),
     "planes": clouds.planes(400),
     "body": clouds.body(700),
-    "random": random_cloud(400),
+    "random": clouds.random_cloud(400),
     "far from the origin": (clouds.body(400)[0] + 1e4, clouds.body(400)[1]),
 }
 
