@@ -50,4 +50,3 @@ def rigid_poses(graph: NodeGraph, source: Float, target: Float) -> list[Pose]:
     turns = axis_rotations(principal_axes(source), principal_axes(target))
     arms = graph.rest - here
     return [Pose(np.repeat(turn[None], len(graph), axis=0), arms @ turn.T + there) for turn in turns]
-
