@@ -57,15 +57,30 @@ def common_units(source: Diffusion, target: Diffusion) -> tuple[Cloud, Cloud]:
 def relative_scale(source: Diffusion, target: Diffusion) -> float:
     """Factor that brings the target to the source's units; 1 unless the clouds' sizes differ grossly.
 
-    Scans of one subject share their units. Medial radii barely depend on pose and missing data, so their
-    medians tell when they do not.
+    Scans of one subject share their units. Each estimate of a ratio of sizes has its weakness, so their
+    median decides whether the units differ, and what it is then.
     """
-    sizes = [
-        float(np.median(d.radii)) if d.radii.any() else float(np.sqrt(d.areas.sum()))
-        for d in (source, target)
-    ]
-    ratio = sizes[0] / sizes[1]
+    ratios = [a / b for a, b in zip(sizes(source), sizes(target), strict=True) if a > 0 and b > 0]
+    ratio = float(np.exp(np.median(np.log(ratios))))
     return 1.0 if 0.7 < ratio < 1.4 else ratio
+
+
+def sizes(diffusion: Diffusion) -> tuple[float, float, float]:
+    """Lengths that tell how large a body is, whatever its pose and whatever is missing; 0 where unknown.
+
+    Returns
+    -------
+    radius
+        Median medial radius; too large where empty balls span limbs whose surfaces are missing.
+    side
+        Square root of the area; too small where much is missing.
+    spread
+        Root mean square distance from the centre of mass; depends on the pose, and on which part is missing.
+    """
+    areas = diffusion.areas
+    centred = diffusion.points - np.average(diffusion.points, axis=0, weights=areas)
+    spread = np.sqrt(np.average((centred**2).sum(axis=1), weights=areas))
+    return float(np.median(diffusion.radii)), float(np.sqrt(areas.sum())), float(spread)
 
 
 def farthest_order(points: Float, count: int) -> Int:

@@ -7,9 +7,9 @@ import pytest
 
 from medial import Diffusion
 from medial.candidates import NONE, SearchConfig, landmark_sets, spread
-from medial.cloud import Cloud, common_units, farthest_order, relative_scale
+from medial.cloud import Cloud, common_units, farthest_order, relative_scale, sizes
 from medial.paths import MedialPaths
-from tests.medial.clouds import body, cylinder, rotation
+from tests.medial.clouds import body, cylinder, rotation, sphere
 from tests.medial.matching_shapes import lobes
 from tests.medial.posed import bent, figure
 
@@ -210,10 +210,27 @@ def test_small_differences_of_size_are_kept(factor):
     assert relative_scale(figure(), scaled(500, 1, factor)) == 1
 
 
-def test_surface_operators_compare_areas():
+def test_surface_operators_compare_area_and_extent():
     flat = replace(figure(), radii=np.zeros(len(figure())), operator="robust")
     large = replace(flat, points=10 * flat.points, areas=100 * flat.areas)
     assert relative_scale(flat, large) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+@pytest.mark.parametrize("wrong", ["areas", "radii"])
+def test_one_estimate_that_is_off_does_not_change_the_units(wrong, factor):
+    """Balls that span two legs have large radii, and half a surface has half the area."""
+    off = replace(figure(), **{wrong: getattr(figure(), wrong) * factor**2})
+    assert relative_scale(figure(), off) == 1
+    assert relative_scale(off, figure()) == 1
+
+
+def test_sizes_of_a_ball():
+    points, normals = sphere(1000, 2.0)
+    radius, side, spread = sizes(Diffusion.from_points(points, normals, modes=10))
+    assert radius == pytest.approx(2, rel=0.02)
+    assert side == pytest.approx(np.sqrt(16 * np.pi), rel=0.02)
+    assert spread == pytest.approx(2, rel=1e-3)
 
 
 def test_common_units_are_those_of_the_larger_area():
