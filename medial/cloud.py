@@ -14,6 +14,9 @@ from medial.sampling import farthest_points
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
+GROSS = 1.4
+"""Ratio of sizes up to which two clouds may be scans of one subject in the same units."""
+
 
 @dataclass(frozen=True)
 class Cloud:
@@ -57,12 +60,14 @@ def common_units(source: Diffusion, target: Diffusion) -> tuple[Cloud, Cloud]:
 def relative_scale(source: Diffusion, target: Diffusion) -> float:
     """Factor that brings the target to the source's units; 1 unless the clouds' sizes differ grossly.
 
-    Scans of one subject share their units. Each estimate of a ratio of sizes has its weakness, so their
-    median decides whether the units differ, and what it is then.
+    Scans of one subject share their units. Each estimate of a ratio of sizes has its weakness, so the units
+    differ only if all of them say so; then their median tells by how much.
     """
-    ratios = [a / b for a, b in zip(sizes(source), sizes(target), strict=True) if a > 0 and b > 0]
-    ratio = float(np.exp(np.median(np.log(ratios))))
-    return 1.0 if 0.7 < ratio < 1.4 else ratio
+    found = zip(sizes(source), sizes(target), strict=True)
+    ratios = np.array([here / there for here, there in found if here > 0 and there > 0])
+    if (ratios < 1 / GROSS).all() or (ratios > GROSS).all():
+        return float(np.exp(np.median(np.log(ratios))))
+    return 1.0
 
 
 def sizes(diffusion: Diffusion) -> tuple[float, float, float]:

@@ -216,13 +216,20 @@ def test_surface_operators_compare_area_and_extent():
     assert relative_scale(flat, large) == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize("factor", [0.5, 2.0])
-@pytest.mark.parametrize("wrong", ["areas", "radii"])
-def test_one_estimate_that_is_off_does_not_change_the_units(wrong, factor):
+@pytest.mark.parametrize("factor", [0.25, 4.0])
+@pytest.mark.parametrize("wrong", [["areas"], ["radii"], ["areas", "radii"]])
+def test_estimates_that_disagree_do_not_change_the_units(wrong, factor):
     """Balls that span two legs have large radii, and half a surface has half the area."""
-    off = replace(figure(), **{wrong: getattr(figure(), wrong) * factor**2})
+    off = replace(figure(), **{name: getattr(figure(), name) * factor for name in wrong})
     assert relative_scale(figure(), off) == 1
     assert relative_scale(off, figure()) == 1
+
+
+def test_half_of_a_body_keeps_its_units():
+    points, normals = body(500, 1)
+    upper = points[:, 2] > 0
+    half = Diffusion.from_points(points[upper], normals[upper], modes=40)
+    assert relative_scale(figure(), half) == 1
 
 
 def test_sizes_of_a_ball():
