@@ -71,7 +71,7 @@ def relative_scale(source: Diffusion, target: Diffusion) -> float:
 
 
 def sizes(diffusion: Diffusion) -> tuple[float, float, float]:
-    """Lengths that tell how large a body is, whatever its pose and whatever is missing; 0 where unknown.
+    """Lengths that tell how large a body is, each with its own weakness; 0 where unknown.
 
     Returns
     -------

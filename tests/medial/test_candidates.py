@@ -7,7 +7,7 @@ import pytest
 
 from medial import Diffusion
 from medial.candidates import NONE, SearchConfig, landmark_sets, spread
-from medial.cloud import Cloud, common_units, farthest_order, relative_scale, sizes
+from medial.cloud import GROSS, Cloud, common_units, farthest_order, relative_scale, sizes
 from medial.paths import MedialPaths
 from tests.medial.clouds import body, cylinder, rotation, sphere
 from tests.medial.matching_shapes import lobes
@@ -225,11 +225,15 @@ def test_estimates_that_disagree_do_not_change_the_units(wrong, factor):
     assert relative_scale(off, figure()) == 1
 
 
-def test_half_of_a_body_keeps_its_units():
+def test_part_of_a_body_keeps_its_units():
+    """Area and extent shrink together; the radii tell."""
     points, normals = body(500, 1)
-    upper = points[:, 2] > 0
-    half = Diffusion.from_points(points[upper], normals[upper], modes=40)
-    assert relative_scale(figure(), half) == 1
+    upper = points[:, 2] > 0.2
+    part = Diffusion.from_points(points[upper], normals[upper], modes=40)
+    radius, side, spread = np.divide(sizes(figure()), sizes(part))
+    assert radius == pytest.approx(1, rel=0.05)
+    assert min(side, spread) > GROSS
+    assert relative_scale(figure(), part) == 1
 
 
 def test_sizes_of_a_ball():
