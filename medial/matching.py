@@ -39,11 +39,11 @@ T = TypeVar("T")
 ENOUGH = 1.35
 """Share of the source that is found plus share of the target, at which no further landmark sets are tried."""
 ADOPTED = (0.25, 8)
-"""Fits whose score is within this of the best are looked at with fine nodes, at most so many."""
+"""Fits whose merit is within this of the best are looked at with fine nodes, at most so many."""
 FINALIST = 0.2
 """Of those, what is worth less than the best by more than this is not settled finely."""
 SETTLED = 0.5
-"""Worth of what a fit sees once it is settled finely, added to its score. What settling finely adds to the
+"""Worth of what a fit sees once it is settled finely, added to its merit. What settling finely adds to the
 strain is noise."""
 
 
@@ -242,9 +242,11 @@ class Pair:
         final = self.config.refine == "deform"
         nodes = self.config.fine_nodes if final else self.config.nodes
         margin, most = ADOPTED
-        near = [(way, fit) for way, pool in zip(self.ways, pools, strict=True) for fit in pool]
-        near.sort(key=lambda each: -each[1].score)
-        near = [each for each in near if each[1].score > near[0][1].score - margin][: most if final else 1]
+        every = [(way, fit) for way, pool in zip(self.ways, pools, strict=True) for fit in pool]
+        merits = np.array(run_tasks(Way.merit, every))
+        order = np.argsort(-merits, kind="stable")[: most if final else 1]
+        order = order[merits[order] > merits.max() - margin]
+        near, merits = [every[k] for k in order], merits[order]
         used = [way for way in self.ways if any(way is each for each, _ in near)]
         fine = dict(zip(used, run_tasks(lambda way: way.fine(nodes), [(way,) for way in used]), strict=True))
 
@@ -252,14 +254,13 @@ class Pair:
             return fine[way].judge(fine[way].adopt(way.graph, way.attachment, fit.pose))
 
         looked = run_tasks(adopted, near)
-        scores = np.array([fit.score for _, fit in near])
-        worth = scores + [SETTLED * fit.seen for fit in looked]
+        worth = merits + [SETTLED * fit.seen for fit in looked]
         chosen, last = 0, looked[0]
         if final:
             order = np.argsort(-worth, kind="stable")[: self.config.finalists]
             order = order[worth[order] > worth.max() - FINALIST]
             settled = run_tasks(lambda k: fine[near[k][0]].settle(looked[k].pose), [(k,) for k in order])
-            first = int(np.argmax(scores[order] + [SETTLED * fit.seen for fit in settled]))
+            first = int(np.argmax(merits[order] + [SETTLED * fit.seen for fit in settled]))
             chosen, last = int(order[first]), settled[first]
         way = near[chosen][0]
         return near[chosen], fine[way].inverse(last) if way.backward else fine[way].dense(last)

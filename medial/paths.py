@@ -17,6 +17,10 @@ from medial.cloud import Cloud, Float, Int, farthest_order, neighbour_pairs
 
 NEIGHBOURS = 10
 SURFACE_SHARE = 0.02  # of the way along the surface, so that points of one medial region differ a little
+FAR = 0.3
+"""Points with a path between them that is shorter than this, in sqrt(area), do not judge a map."""
+CHANGED = 0.15
+"""A larger change of a path's length counts as this much: one gap in a scan may lead a path astray."""
 
 
 @dataclass(frozen=True)
@@ -68,3 +72,23 @@ class MedialPaths:
         """What a node sees: quantiles of its path lengths, and twice its radius, (K, 6)."""
         seen = np.quantile(self.lengths, [0.1, 0.25, 0.5, 0.75, 0.95], axis=1).T
         return np.column_stack([seen, 2 * self.radii])
+
+
+def path_distortion(source: MedialPaths, target: MedialPaths, points: Int, matches: Int) -> float:
+    """How much a map changes path lengths: mean over pairs of points of min(|d_target - d_source|, CHANGED).
+
+    Parameters
+    ----------
+    source, target
+    points, matches : (s,) int64
+        Point ids on the source, and where the map takes them on the target.
+
+    Returns
+    -------
+    float
+        In sqrt(area); 0 if no two points are `FAR` from each other.
+    """
+    here, there = source.nearest[points], target.nearest[matches]
+    before, after = source.lengths[np.ix_(here, here)], target.lengths[np.ix_(there, there)]
+    far = before >= FAR
+    return float(np.minimum(np.abs(after - before)[far], CHANGED).mean()) if far.any() else 0.0

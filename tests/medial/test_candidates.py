@@ -8,10 +8,10 @@ import pytest
 from medial import Diffusion
 from medial.candidates import NONE, SearchConfig, landmark_sets, spread
 from medial.cloud import GROSS, Cloud, common_units, farthest_order, relative_scale, sizes
-from medial.paths import MedialPaths
+from medial.paths import CHANGED, FAR, MedialPaths, path_distortion
 from tests.medial.clouds import body, cylinder, rotation, sphere
 from tests.medial.matching_shapes import lobes
-from tests.medial.posed import bent, figure
+from tests.medial.posed import bent, figure, left_arm, legs, right_arm
 
 TWINS = (  # mirrored in x = 0, and in nothing else
     ((0, 0, -0.6), (0, 0, 0.9), 0.3),
@@ -72,6 +72,33 @@ def test_bending_leaves_path_lengths_alone(cloud, paths):
     assert np.abs(before - after).max() < 0.08
     straight = [np.linalg.norm(x[both][:, None] - x[both], axis=2) for x in (cloud.points, points / unit)]
     assert np.abs(straight[0] - straight[1]).max() > 0.15  # while straight lines do change
+
+
+def test_path_distortion_is_the_mean_change_over_far_pairs(cloud, paths):
+    rng = np.random.default_rng(0)
+    points, matches = rng.integers(len(cloud), size=(2, 30))
+    changes = []
+    for a, b in zip(points, matches, strict=True):
+        for c, d in zip(points, matches, strict=True):
+            before = paths.lengths[paths.nearest[a], paths.nearest[c]]
+            after = paths.lengths[paths.nearest[b], paths.nearest[d]]
+            if before >= FAR:
+                changes.append(min(abs(after - before), CHANGED))
+    assert path_distortion(paths, paths, points, matches) == pytest.approx(np.mean(changes))
+
+
+def test_the_right_map_changes_no_path_and_a_swapped_limb_does(cloud, paths):
+    points = figure().points
+    some = np.arange(0, len(points), 3)
+    assert path_distortion(paths, paths, some, some) == 0
+    swapped = some.copy()
+    arms = right_arm(points[some]), left_arm(points[some])
+    swapped[arms[0]], swapped[arms[1]] = np.flatnonzero(left_arm(points))[0], np.flatnonzero(legs(points))[0]
+    assert path_distortion(paths, paths, some, swapped) > 0.01
+
+
+def test_no_two_points_far_apart_are_no_evidence(paths):
+    assert path_distortion(paths, paths, np.zeros(3, dtype=np.int64), np.arange(3)) == 0
 
 
 def test_two_components_are_joined():

@@ -7,7 +7,8 @@ import pytest
 
 from medial import match
 from medial.matching import Pair
-from medial.matching_way import Placed, Sets, search
+from medial.matching_recombine import SAME_FIT, distinct
+from medial.matching_way import LIKE, Placed, Sets, search
 from tests.medial.posed import bent_figure, figure, legs, right_arm
 from tests.medial.test_default_matching import BENT, SMALL, errors, other_sample, truth  # noqa: F401
 
@@ -68,6 +69,35 @@ def test_a_way_without_good_candidates_learns_from_the_other(pair, found):
     truth_score = found[1][0].score
     assert alone.score < truth_score - 0.3
     assert told[1][0].score > alone.score
+
+
+def test_swapped_limbs_have_less_merit_than_their_score_says(pair, found):
+    way, right = pair.ways[0], found[0][0]
+    partner = right.partner.copy()
+    here = figure().points[pair.ends[0].side.samples]
+    partner[right_arm(here)] = np.flatnonzero(legs(figure().points))[0]
+    lost = replace(right, partner=partner)
+    assert way.merit(right) <= right.score
+    assert way.merit(lost) < way.merit(right) - 0.2
+    assert way.placed(lost).score == way.merit(lost)
+
+
+def test_without_path_lengths_merit_is_the_score(found):
+    way = Pair(figure(), bent_figure(*BENT), replace(SMALL, paths=False), 0).ways[0]
+    assert way.merit(found[0][0]) == found[0][0].score
+
+
+def test_fits_that_differ_in_one_hand_are_both_looked_at(pair, found):
+    right = found[0][0]
+    moved = right.moved.copy()
+    moved[right_arm(figure().points[pair.ends[0].side.samples])] += (0, 0, 0.3)
+    gap = np.linalg.norm(moved - right.moved, axis=1).mean()
+    assert LIKE < gap < SAME_FIT
+    other = replace(right, moved=moved)
+    assert len(distinct([right, other], 2)) == 1
+    alone = replace(SMALL, both_ways=False, recombine=False)
+    ways = Pair(figure(), bent_figure(*BENT), alone, 0).ways
+    assert len(search(ways, [[right, other]])[0]) == 2
 
 
 def test_without_another_way_nothing_is_handed_over():
