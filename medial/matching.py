@@ -27,7 +27,7 @@ from medial.landmarks import extend, middle_time, prepare, shared_times
 from medial.matching_pool import Candidate, diffusion_sets, first_landmarks, grown
 from medial.matching_register import Fit
 from medial.matching_types import MatchConfig, Matching
-from medial.matching_way import End, Placed, Sets, Way, search
+from medial.matching_way import STAYING, End, Placed, Sets, Way, search
 from medial.nearest import single_blas_thread
 from medial.neighbourhoods import Float32, neighbourhoods
 from medial.paths import MedialPaths
@@ -69,17 +69,8 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
     InputError
         If the operators differ, or a cloud has no positive eigenvalue.
     """
-    config = config or MatchConfig()
     with single_blas_thread():
-        pair = Pair(source, target, config, seed)
-        rngs = [np.random.default_rng([seed, 2]), np.random.default_rng([seed, 3])]
-        if config.selection == "fit":
-            draw = Sets(pair.ways, rngs)
-            return pair.by_fit(draw.first(), draw.more)
-        here, there = (end.side for end in pair.ends)
-        starts = first_landmarks(here, middle_time(pair.times), config, rngs[0])
-        sets = diffusion_sets(here, there, pair.times, config, starts)
-        return pair.by_cost([grown(here, there, pairs, config) for pairs in sets])
+        return Pair(source, target, config or MatchConfig(), seed).match()
 
 
 def extrapolate(
@@ -124,18 +115,34 @@ def extrapolate(
 class Pair:
     """Two clouds prepared for matching.
 
+    Parameters
+    ----------
+    source, target
+    config
+    seed
+    to_move : (n,) bool, optional
+        The target is the mirror image of the source, point by point. Maps that leave most of these points in
+        their medial region do not count, if there are others.
+
     Raises
     ------
     InputError
         If the operators differ: their diffusions cannot be compared.
     """
 
-    def __init__(self, source: Diffusion, target: Diffusion, config: MatchConfig, seed: int) -> None:
+    def __init__(
+        self,
+        source: Diffusion,
+        target: Diffusion,
+        config: MatchConfig,
+        seed: int,
+        to_move: NDArray[np.bool_] | None = None,
+    ) -> None:
         if source.operator != target.operator:
             raise InputError(
                 f"cannot match a {source.operator!r} diffusion to a {target.operator!r} one; use one operator"
             )
-        self.diffusions, self.config, self.seed = (source, target), config, seed
+        self.diffusions, self.config, self.seed, self.to_move = (source, target), config, seed, to_move
         self.times = shared_times(source, target, config)
         clouds = common_units(source, target)
         samples = self._samples()
@@ -165,7 +172,23 @@ class Pair:
         both = self.config.both_ways and self.config.selection == "fit"
         first, second = self._coordinates
         wanted = [(here, there, first, False), (there, here, second, True)][: 2 if both else 1]
-        return run_tasks(lambda a, b, x, backward: Way(a, b, x, self.times, self.config, backward), wanted)
+
+        def way(source: End, target: End, coordinates: Float32, backward: bool) -> Way:
+            return Way(source, target, coordinates, self.times, self.config, backward, self.to_move)
+
+        return run_tasks(way, wanted)
+
+    def match(self) -> Matching:
+        """Search for landmarks, and follow what they lead to."""
+        config = self.config
+        rngs = [np.random.default_rng([self.seed, 2]), np.random.default_rng([self.seed, 3])]
+        if config.selection == "fit":
+            draw = Sets(self.ways, rngs)
+            return self.by_fit(draw.first(), draw.more)
+        here, there = (end.side for end in self.ends)
+        starts = first_landmarks(here, middle_time(self.times), config, rngs[0])
+        sets = diffusion_sets(here, there, self.times, config, starts)
+        return self.by_cost([grown(here, there, pairs, config) for pairs in sets])
 
     def given(self, landmarks: NDArray[np.int64]) -> list[list[Candidate]]:
         """The candidate that given landmarks (L, 2) make, for each way."""
@@ -199,13 +222,13 @@ class Pair:
         """
         ways, config = self.ways, self.config
         followed, settled = self._tried(candidates)
-        if more is not None and max(fit.seen for fits in settled for fit in fits) < ENOUGH:
+        if more is not None and self._seen(settled) < ENOUGH:
             others = more()
             candidates, before = _joined(candidates, others), (followed, settled)
             followed, settled = (_joined(a, b) for a, b in zip(before, self._tried(others), strict=True))
             if config.rigid_starts:
                 settled = _joined(settled, [way.from_rigid() for way in ways])
-        pools = search(ways, settled)
+        pools = self._moving(search(ways, self._moving(settled)))
         (way, best), dense = self._finish(pools)
         starts, pool = self._placed(followed), self._placed(pools)
         at = way.placed(best)
@@ -224,6 +247,17 @@ class Pair:
         """Of each way: the candidates, followed, and what the distinct ones settle to."""
         followed = [way.follow(each) for way, each in zip(self.ways, candidates, strict=True)]
         return followed, [way.settle(each) for way, each in zip(self.ways, followed, strict=True)]
+
+    def _moving(self, fits: list[list[Fit]]) -> list[list[Fit]]:
+        """Of each way: the fits that do not leave the body where it is; all of them if every one does."""
+        each = zip(self.ways, fits, strict=True)
+        moving = [[fit for fit in some if way.staying(fit) <= STAYING] for way, some in each]
+        return moving if any(moving) else fits
+
+    def _seen(self, fits: list[list[Fit]]) -> float:
+        """The most that a fit sees that does not leave the body where it is."""
+        every = ((way, fit) for way, each in zip(self.ways, fits, strict=True) for fit in each)
+        return max((fit.seen for way, fit in every if way.staying(fit) <= STAYING), default=0.0)
 
     def _placed(self, fits: list[list[Fit]]) -> list[Placed]:
         tasks = [(way, fit) for way, each in zip(self.ways, fits, strict=True) for fit in each]

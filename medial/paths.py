@@ -9,6 +9,7 @@ agreed to a few hundredths of sqrt(area), where diffusion times had lost their m
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
@@ -67,6 +68,11 @@ class MedialPaths:
             order.append(int(gap.argmax()))
             gap = np.minimum(gap, self.lengths[order[-1]])
         return np.array(order, dtype=np.int64)
+
+    def outer_half(self) -> NDArray[np.bool_]:
+        """Points that lie farther than others along the body from its rest, as limbs and head do, (n,)."""
+        mean = self.lengths.mean(axis=1)[self.nearest]
+        return np.asarray(mean > np.median(mean))
 
     def descriptors(self) -> Float:
         """What a node sees: quantiles of its path lengths, and twice its radius, (K, 6)."""

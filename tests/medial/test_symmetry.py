@@ -3,8 +3,13 @@ import pytest
 
 import datasets_gen
 from medial import Diffusion, intrinsic_symmetry
+from medial.cloud import common_units
+from medial.matching_way import staying
+from medial.paths import MedialPaths
 from medial.symmetry import mirror_image
 from scanner_sim import sample
+from tests.medial.clouds import sphere
+from tests.medial.posed import figure, legs, right_arm
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +33,44 @@ def test_a_body_is_mapped_to_its_mirror_side(human):
     still = np.linalg.norm(scan.points[found.source_to_target] - scan.points, axis=1)
     assert np.median(still) > 0.1  # metres: not the identity
     assert np.median(found.confidence) > 0.5
+
+
+def test_a_scan_that_shows_front_and_back_alike_is_not_turned_front_to_back(human):
+    """Seen from its left and from two sides behind and before, a body meets its mirror image turned round."""
+    scan = sample(human["arms_up"], 4000, seed=0)
+    side = np.deg2rad([0, 120, 240])
+    views = np.column_stack([np.cos(side), 0 * side, np.sin(side)])
+    scan = scan.select((scan.normals @ views.T).max(axis=1) > 0.75)
+    diffusion = Diffusion.from_points(scan.points, scan.normals, modes=100)
+    found = intrinsic_symmetry(diffusion)
+    error = symmetry_error(human, scan, found)
+    assert np.mean(error) < 0.05
+    sure = found.confidence > 0.9
+    assert sure.mean() > 0.1
+    assert (error[sure] < 0.1).mean() > 0.9
+
+
+def test_only_what_leaves_its_medial_region_moves():
+    cloud = common_units(figure(), figure())[0]
+    points = np.arange(len(cloud))
+    arm, leg = right_arm(figure().points), legs(figure().points)
+    images = points.copy()
+    images[arm] = np.flatnonzero(leg)[0]
+    assert staying(cloud, points, points) == 1
+    assert staying(cloud, points, images) == pytest.approx(1 - arm.mean())
+    assert staying(cloud, points[:0], points[:0]) == 0
+
+
+def test_the_outer_half_has_the_limbs():
+    outer = MedialPaths.of(common_units(figure(), figure())[0]).outer_half()
+    assert 0.4 < outer.mean() <= 0.5
+    assert outer[legs(figure().points)].mean() > 0.9
+
+
+def test_a_ball_has_no_symmetry_to_be_sure_of():
+    points, normals = sphere(400)
+    found = intrinsic_symmetry(Diffusion.from_points(points, normals, modes=30))
+    assert (found.confidence < 0.5).all()
 
 
 def test_a_missing_arm_has_no_counterpart(human):
