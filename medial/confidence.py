@@ -11,7 +11,7 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 RIVAL_TEMPERATURE = 0.03
-"""A map whose score is lower by this is e times less likely."""
+"""A map that is worse by this (`Placed.lead`) is e times less likely."""
 SAME_PLACE = 0.1
 """Samples placed closer than this, in sqrt(area), agree."""
 
@@ -38,7 +38,7 @@ def confidence_of_fit(
     -------
     (n,) float64
     """
-    weights = np.exp([min(0.0, (fit.score - best.score) / RIVAL_TEMPERATURE) for fit in pool])
+    weights = np.exp([min(0.0, -best.lead(fit) / RIVAL_TEMPERATURE) for fit in pool])
     agree = [np.linalg.norm(fit.places - best.places, axis=1) < SAME_PLACE for fit in pool]
     shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (s,)
     undisputed = attachment.spread(samples, shared)

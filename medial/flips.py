@@ -5,7 +5,7 @@ from medial.matching_pool import Candidate
 from medial.matching_way import Placed
 
 MARGIN = 0.03
-"""Scores of a map and its rival that differ less leave it open which one is right."""
+"""A map that leads its rival (`Placed.lead`) by less than this leaves it open which one is right."""
 RIVAL = 0.1
 """Mean distance, in sqrt(area), from which two maps count as rivals."""
 
@@ -30,7 +30,7 @@ def flip_verdict(best: Placed, pool: list[Placed], candidates: list[Candidate], 
     -------
     {"kept", "flipped", "undecided"}
     """
-    if any(best.gap(rival) > RIVAL and rival.score > best.score - MARGIN for rival in pool):
+    if any(best.gap(rival) > RIVAL and best.lead(rival) < MARGIN for rival in pool):
         return "undecided"
     by_cost = min((c for c in candidates if not c.by_paths), key=lambda c: c.cost)
-    return "flipped" if best.gap(Placed(target.points[by_cost.at_samples], 0.0)) > RIVAL else "kept"
+    return "flipped" if best.gap(Placed(target.points[by_cost.at_samples], 0.0, 0.0)) > RIVAL else "kept"

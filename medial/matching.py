@@ -24,6 +24,7 @@ from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
 from medial.flips import flip_verdict
 from medial.landmarks import extend, middle_time, prepare, shared_times
+from medial.matching_finish import Finish
 from medial.matching_pool import Candidate, diffusion_sets, first_landmarks, grown
 from medial.matching_register import Fit
 from medial.matching_types import MatchConfig, Matching
@@ -31,20 +32,13 @@ from medial.matching_way import STAYING, End, Placed, Sets, Way, search
 from medial.nearest import single_blas_thread
 from medial.neighbourhoods import Float32, neighbourhoods
 from medial.paths import MedialPaths
-from medial.refine import Dense, spectral_refinement
+from medial.refine import spectral_refinement
 from medial.sampling import cluster_samples, spectral_samples
 
 T = TypeVar("T")
 
 ENOUGH = 1.35
 """Share of the source that is found plus share of the target, at which no further landmark sets are tried."""
-ADOPTED = (0.25, 8)
-"""Fits whose merit is within this of the best are looked at with fine nodes, at most so many."""
-FINALIST = 0.2
-"""Of those, what is worth less than the best by more than this is not settled finely."""
-SETTLED = 0.5
-"""Worth of what a fit sees once it is settled finely, added to its merit. What settling finely adds to the
-strain is noise."""
 
 
 def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
@@ -229,9 +223,9 @@ class Pair:
             if config.rigid_starts:
                 settled = _joined(settled, [way.from_rigid() for way in ways])
         pools = self._moving(search(ways, self._moving(settled)))
-        (way, best), dense = self._finish(pools)
         starts, pool = self._placed(followed), self._placed(pools)
-        at = way.placed(best)
+        best, dense = Finish(ways, pools, pool, config).chosen()
+        at = pool[best]
         gaps = np.array([at.gap(start) for start in starts])
         mapped = dense.match
         if config.refine != "deform" and not config.recombine:
@@ -262,42 +256,6 @@ class Pair:
     def _placed(self, fits: list[list[Fit]]) -> list[Placed]:
         tasks = [(way, fit) for way, each in zip(self.ways, fits, strict=True) for fit in each]
         return run_tasks(Way.placed, tasks)
-
-    def _finish(self, pools: list[list[Fit]]) -> tuple[tuple[Way, Fit], Dense]:
-        """Look at good fits with fine nodes, settle the best of them and take the one that fits best then.
-
-        Returns
-        -------
-        best : (Way, Fit)
-            The way, and the quick fit.
-        dense : Dense
-            Of all source points.
-        """
-        final = self.config.refine == "deform"
-        nodes = self.config.fine_nodes if final else self.config.nodes
-        margin, most = ADOPTED
-        every = [(way, fit) for way, pool in zip(self.ways, pools, strict=True) for fit in pool]
-        merits = np.array(run_tasks(Way.merit, every))
-        order = np.argsort(-merits, kind="stable")[: most if final else 1]
-        order = order[merits[order] > merits.max() - margin]
-        near, merits = [every[k] for k in order], merits[order]
-        used = [way for way in self.ways if any(way is each for each, _ in near)]
-        fine = dict(zip(used, run_tasks(lambda way: way.fine(nodes), [(way,) for way in used]), strict=True))
-
-        def adopted(way: Way, fit: Fit) -> Fit:
-            return fine[way].judge(fine[way].adopt(way.graph, way.attachment, fit.pose))
-
-        looked = run_tasks(adopted, near)
-        worth = merits + [SETTLED * fit.seen for fit in looked]
-        chosen, last = 0, looked[0]
-        if final:
-            order = np.argsort(-worth, kind="stable")[: self.config.finalists]
-            order = order[worth[order] > worth.max() - FINALIST]
-            settled = run_tasks(lambda k: fine[near[k][0]].settle(looked[k].pose), [(k,) for k in order])
-            first = int(np.argmax(merits[order] + [SETTLED * fit.seen for fit in settled]))
-            chosen, last = int(order[first]), settled[first]
-        way = near[chosen][0]
-        return near[chosen], fine[way].inverse(last) if way.backward else fine[way].dense(last)
 
     def _matching(
         self,

@@ -53,13 +53,15 @@ WITHIN = 0.25
 PATH_COST = 10.0
 """Cost of the mean change of path lengths along the body, in the merit of a fit. Chosen on the fits of 72
 maps between scans with a third to two thirds of the surface missing."""
+ALIKE = 0.15
+"""Mean distance between two maps, in sqrt(area), below which they differ in a limb or two, not as a whole."""
 SAME_REGION = 0.1
 """Medial centres closer than this, in sqrt(area), are of one region."""
 STAYING = 0.8
 """Share of the points to be moved from which a map stays where it is. Of the outer half of a quadruped the
 left-right symmetry leaves .44 (head and tail), with two legs not found .68, a turn of front to back all."""
 STAYING_COST = 0.5
-"""Cost of that share in the merit: part of a body turned from front to back strains less than it should."""
+"""Cost of that share in the score: part of a body turned from front to back strains less than it should."""
 
 
 def staying(cloud: Cloud, points: Int, matches: Int) -> float:
@@ -84,15 +86,28 @@ class Placed:
     places : (s, 3) float64
         On the pair's target.
     score : float
-        The merit of the fit.
+        Of the fit. For a cloud and its mirror image, less the cost of what stays where it is, and of paths
+        as in the merit: both have the same gaps.
+    merit : float
+        The score, less the cost of paths along the body that the map makes longer or shorter. A shank on
+        the other leg's knee fits as well as on its own, but is elsewhere along the body.
     """
 
     places: NDArray[np.float64]
     score: float
+    merit: float
 
     def gap(self, other: "Placed") -> float:
         """Mean distance between two placements."""
         return float(np.linalg.norm(self.places - other.places, axis=1).mean())
+
+    def like(self, other: "Placed") -> bool:
+        """Whether two placements differ in a limb at most."""
+        return self.gap(other) < ALIKE
+
+    def lead(self, other: "Placed") -> float:
+        """How much better this one is: by merit if they are alike, by score if not."""
+        return self.merit - other.merit if self.like(other) else self.score - other.score
 
 
 @dataclass(frozen=True)
@@ -226,17 +241,12 @@ class Way:
         near = tree.query(features(cloud.points[samples], cloud.normals[samples]))[1]
         return self.source.side.samples[near]
 
-    def merit(self, fit: Fit) -> float:
-        """Score of a fit, less the cost of paths along the body that it makes longer or shorter.
-
-        A shank on the other leg's knee fits as well as on its own, but is elsewhere along the body. For a
-        cloud and its mirror image, also less the cost of what stays where it is.
-        """
+    def changed(self, fit: Fit) -> float:
+        """How much a fit changes paths along the body (`path_distortion`); 0 where paths are not wanted."""
         here, there = self.source.paths, self.target.paths
-        score = fit.score - STAYING_COST * self.staying(fit)
         if here is None or there is None:
-            return score
-        return score - PATH_COST * path_distortion(here, there, self.source.side.samples, fit.partner)
+            return 0.0
+        return path_distortion(here, there, self.source.side.samples, fit.partner)
 
     def staying(self, fit: Fit) -> float:
         """Share of the points to be moved that a fit to the mirror image leaves in their medial region."""
@@ -249,7 +259,8 @@ class Way:
     def placed(self, fit: Fit) -> Placed:
         """Where a fit puts the samples of the pair's source; of the way back, by the nearest sample."""
         places = self.source.cloud.points[self.reaching(fit)] if self.backward else fit.moved
-        return Placed(places, self.merit(fit))
+        score, cost = fit.score - STAYING_COST * self.staying(fit), PATH_COST * self.changed(fit)
+        return Placed(places, score if self.to_move is None else score - cost, score - cost)
 
     def fine(self, nodes: int) -> FineDeformation:
         """Fine deformations the same way."""

@@ -14,7 +14,7 @@ COORDINATES = np.random.default_rng(0).standard_normal((120, 3)).astype(np.float
 GRAPH, ATTACHMENT = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
 SURE = Dense(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
 SAMPLES = np.arange(0, 120, 2)
-BEST = Placed(COORDINATES[SAMPLES].astype(float), 1.5)
+BEST = Placed(COORDINATES[SAMPLES].astype(float), 1.5, 1.4)
 
 
 def confidence(dense, *rivals):
@@ -24,7 +24,7 @@ def confidence(dense, *rivals):
 def rival(loss, samples=slice(None)):
     places = BEST.places.copy()
     places[samples] += 1.0
-    return Placed(places, BEST.score - loss)
+    return Placed(places, BEST.score - loss, BEST.merit)
 
 
 def test_what_nothing_speaks_against_is_sure():

@@ -20,7 +20,7 @@ def candidate(at_samples, cost, by_paths=False):
     return Candidate(np.zeros((1, 2), dtype=int), cost, by_paths, at_samples, lambda: at_samples)
 
 
-BEST = Placed(POINTS, 1.5)
+BEST = Placed(POINTS, 1.5, 1.4)
 
 
 @pytest.mark.parametrize(("costs", "verdict"), [((1.0, 2.0), "kept"), ((2.0, 1.0), "flipped")])
@@ -43,5 +43,5 @@ def test_sets_found_by_path_length_have_no_say():
     ],
 )
 def test_a_rival_that_fits_as_well_leaves_it_open(loss, shift, verdict):
-    rival = Placed(POINTS + np.array([shift, 0, 0]), BEST.score - loss)
+    rival = Placed(POINTS + np.array([shift, 0, 0]), BEST.score - loss, BEST.merit)
     assert flip_verdict(BEST, [BEST, rival], [candidate(SAME, 1.0)], TARGET) == verdict

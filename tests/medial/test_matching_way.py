@@ -8,7 +8,7 @@ import pytest
 from medial import match
 from medial.matching import Pair
 from medial.matching_recombine import SAME_FIT, distinct
-from medial.matching_way import LIKE, Placed, Sets, search
+from medial.matching_way import ALIKE, LIKE, Placed, Sets, search
 from tests.medial.posed import bent_figure, figure, legs, right_arm
 from tests.medial.test_default_matching import BENT, SMALL, errors, other_sample, truth  # noqa: F401
 
@@ -77,14 +77,24 @@ def test_swapped_limbs_have_less_merit_than_their_score_says(pair, found):
     here = figure().points[pair.ends[0].side.samples]
     partner[right_arm(here)] = np.flatnonzero(legs(figure().points))[0]
     lost = replace(right, partner=partner)
-    assert way.merit(right) <= right.score
-    assert way.merit(lost) < way.merit(right) - 0.2
-    assert way.placed(lost).score == way.merit(lost)
+    before, after = way.placed(right), way.placed(lost)
+    assert before.score == after.score == right.score
+    assert before.merit <= before.score
+    assert after.merit < before.merit - 0.2
 
 
 def test_without_path_lengths_merit_is_the_score(found):
     way = Pair(figure(), bent_figure(*BENT), replace(SMALL, paths=False), 0).ways[0]
-    assert way.merit(found[0][0]) == found[0][0].score
+    placed = way.placed(found[0][0])
+    assert placed.merit == placed.score == found[0][0].score
+
+
+@pytest.mark.parametrize(("shift", "lead"), [(0.5 * ALIKE, -0.3), (2.0 * ALIKE, 0.1)])
+def test_paths_compare_maps_that_are_alike_and_scores_other_maps(shift, lead):
+    one = Placed(np.zeros((4, 3)), 1.6, 1.0)
+    other = Placed(np.full((4, 3), shift / np.sqrt(3)), 1.5, 1.3)
+    assert one.lead(other) == pytest.approx(lead)
+    assert other.lead(one) == pytest.approx(-lead)
 
 
 def test_fits_that_differ_in_one_hand_are_both_looked_at(pair, found):
@@ -127,8 +137,8 @@ def test_more_sets_are_tried_only_where_the_first_do_not_do(monkeypatch, enough,
 
 
 def test_the_gap_of_placements_is_their_mean_distance():
-    here = Placed(np.zeros((4, 3)), 1.0)
-    there = Placed(np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 1.0]]), 1.0)
+    here = Placed(np.zeros((4, 3)), 1.0, 1.0)
+    there = Placed(np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 1.0]]), 1.0, 1.0)
     assert here.gap(there) == 1.0
     assert there.gap(here) == 1.0
 
