@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medial.compiled import run_tasks
+from medial.flips import MARGIN
 from medial.matching_register import Fit
 from medial.matching_types import MatchConfig
 from medial.matching_way import Placed, Way
@@ -47,8 +48,8 @@ class Finish:
     def chosen(self) -> tuple[int, Dense]:
         """Number of the best fit, and the map of all source points that it makes.
 
-        The fits' scores decide between wholly different maps. Paths along the body only decide between maps
-        that are like the best one: where the scans have gaps, paths change by as much as from head to tail.
+        The fits' scores decide. Only between maps that are like the best one and score as well do paths along
+        the body: where the scans have gaps, paths change under the right map as much as from head to tail.
         """
         scores = np.array([each.score for each in self._placed])
         if self._config.refine != "deform":
@@ -58,7 +59,7 @@ class Finish:
         leader = self._best(scores)
         like = np.array([each.like(self._placed[leader]) for each in self._placed])
         merits = np.array([each.merit for each in self._placed])
-        best = self._best(np.where(like & (scores > scores[leader] - ADOPTED[0]), merits, -np.inf))
+        best = self._best(np.where(like & (scores > scores[leader] - MARGIN), merits, -np.inf))
         return best, self._dense(best, self._settled[best])
 
     def _best(self, values: Float) -> int:

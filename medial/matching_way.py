@@ -53,8 +53,8 @@ WITHIN = 0.25
 PATH_COST = 10.0
 """Cost of the mean change of path lengths along the body, in the merit of a fit. Chosen on the fits of 72
 maps between scans with a third to two thirds of the surface missing."""
-ALIKE = 0.15
-"""Mean distance between two maps, in sqrt(area), below which they differ in a limb or two, not as a whole."""
+ALIKE = 0.075
+"""Mean distance between two maps, in sqrt(area), below which they differ in a limb, not as a whole."""
 SAME_REGION = 0.1
 """Medial centres closer than this, in sqrt(area), are of one region."""
 STAYING = 0.8
@@ -102,7 +102,7 @@ class Placed:
         return float(np.linalg.norm(self.places - other.places, axis=1).mean())
 
     def like(self, other: "Placed") -> bool:
-        """Whether two placements differ in a limb at most."""
+        """Whether two placements differ by no more than a limb."""
         return self.gap(other) < ALIKE
 
     def lead(self, other: "Placed") -> float:

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from medial.flips import MARGIN
 from medial.matching import Pair
-from medial.matching_finish import ADOPTED, Finish
+from medial.matching_finish import Finish
 from medial.matching_way import ALIKE
 from tests.medial.posed import bent_figure, figure
 from tests.medial.test_default_matching import BENT, SMALL
@@ -36,9 +37,9 @@ def chosen(pair, pools, shift, loss, config=SMALL):
 @pytest.mark.parametrize(
     ("shift", "loss", "best"),
     [
-        (0.3 * ALIKE, 0.1, 1),  # a limb apart: paths decide
-        (3.0 * ALIKE, 0.1, 0),  # another map: the score decides
-        (0.3 * ALIKE, 1.1 * ADOPTED[0], 0),  # a limb apart, but fits much worse
+        (0.3 * ALIKE, 0.5 * MARGIN, 1),  # a limb apart: paths decide
+        (3.0 * ALIKE, 0.5 * MARGIN, 0),  # another map: the score decides
+        (0.3 * ALIKE, 1.5 * MARGIN, 0),  # a limb apart, but fits worse
     ],
 )
 def test_paths_choose_between_like_fits_alone(pair, pools, shift, loss, best):
@@ -46,7 +47,7 @@ def test_paths_choose_between_like_fits_alone(pair, pools, shift, loss, best):
 
 
 def test_without_deformation_the_score_decides(pair, pools):
-    assert chosen(pair, pools, 0.3 * ALIKE, 0.1, replace(SMALL, refine="spectral")) == 0
+    assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * MARGIN, replace(SMALL, refine="spectral")) == 0
 
 
 @pytest.mark.parametrize("way", [0, 1])
