@@ -48,8 +48,8 @@ class Finish:
     def chosen(self) -> tuple[int, Dense]:
         """Number of the best fit, and the map of all source points that it makes.
 
-        The fits' scores decide. Only between maps that are like the best one and score as well do paths along
-        the body: where the scans have gaps, paths change under the right map as much as from head to tail.
+        What the fits score and see decides. Only between maps that are like the best one and as good do paths
+        along the body: where scans have gaps, paths change under the right map as much as from head to tail.
         """
         scores = np.array([each.score for each in self._placed])
         if self._config.refine != "deform":
@@ -59,20 +59,27 @@ class Finish:
         leader = self._best(scores)
         like = np.array([each.like(self._placed[leader]) for each in self._placed])
         merits = np.array([each.merit for each in self._placed])
-        best = self._best(np.where(like & (scores > scores[leader] - MARGIN), merits, -np.inf))
+        near = self._near(np.where(like & (scores > scores[leader] - MARGIN), merits, -np.inf))
+        worth = {k: scores[k] + SETTLED * self._settled[k].seen for k in (leader, *near)}
+        level = [k for k in near if worth[k] > worth[leader] - MARGIN] or [leader]
+        best = max(level, key=lambda k: merits[k] + SETTLED * self._settled[k].seen)
         return best, self._dense(best, self._settled[best])
 
     def _best(self, values: Float) -> int:
         """The fit of the highest value after those of high value were settled finely."""
+        return max(self._near(values), key=lambda k: values[k] + SETTLED * self._settled[k].seen)
+
+    def _near(self, values: Float) -> list[int]:
+        """Fits of high value, settled finely, best first before that."""
         margin, most = ADOPTED
         near = np.argsort(-values, kind="stable")[:most]
         near = near[values[near] > values.max() - margin]
         self._look(near, self._config.fine_nodes)
         worth = values[near] + [SETTLED * self._looked[k].seen for k in near]
         order = np.argsort(-worth, kind="stable")[: self._config.finalists]
-        final = near[order[worth[order] > worth.max() - FINALIST]]
+        final = [int(k) for k in near[order[worth[order] > worth.max() - FINALIST]]]
         self._settle(final)
-        return int(final[np.argmax(values[final] + [SETTLED * self._settled[k].seen for k in final])])
+        return final
 
     def _look(self, numbers: Iterable[int], nodes: int) -> None:
         new = [k for k in numbers if k not in self._looked]

@@ -46,6 +46,18 @@ def test_paths_choose_between_like_fits_alone(pair, pools, shift, loss, best):
     assert chosen(pair, pools, shift, loss) == best
 
 
+def test_a_map_that_meets_less_of_the_surfaces_is_not_taken_for_its_paths(pair, pools, monkeypatch):
+    """Settled finely, the fit of more merit sees less of both clouds than the other one."""
+    settle = Finish._settled_finely
+
+    def less(self, k):
+        found, share = settle(self, k), (1.0, 0.9)[k]
+        return replace(found, found=share * found.found, found_back=share * found.found_back)
+
+    monkeypatch.setattr(Finish, "_settled_finely", less)
+    assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * MARGIN) == 0
+
+
 def test_without_deformation_the_score_decides(pair, pools):
     assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * MARGIN, replace(SMALL, refine="spectral")) == 0
 
