@@ -62,13 +62,18 @@ def face_normals(shape: Shape) -> NDArray[np.float64]:
     return _unit(np.cross(b - a, c - a))
 
 
-def shading_normals(
-    shape: Shape, face_ids: NDArray[np.integer], barycentrics: NDArray[np.float64], shading: str
-) -> NDArray[np.float64]:
-    """Unit normals at surface points: interpolated (``"smooth"``) or of the face (``"flat"``), (n, 3)."""
+def corner_normals(shape: Shape, shading: str) -> NDArray[np.float64]:
+    """Unit normals of the corners (f, 3, 3): of the vertex (``"smooth"``) or the face (``"flat"``)."""
     if shading == "flat":
-        return face_normals(shape)[face_ids]
-    return _unit(np.einsum("nc,ncd->nd", barycentrics, vertex_normals(shape)[shape.faces[face_ids]]))
+        return np.repeat(face_normals(shape)[:, None], 3, axis=1)
+    return vertex_normals(shape)[shape.faces]
+
+
+def shading_normals(
+    corners: NDArray[np.float64], face_ids: NDArray[np.integer], barycentrics: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Unit normals (n, 3) at surface points, between those of the corners (f, 3, 3) of all faces."""
+    return _unit(np.einsum("nc,ncd->nd", barycentrics, corners[face_ids]))
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

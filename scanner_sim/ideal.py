@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 from scanner_sim.config import ScannerConfig
-from scanner_sim.geometry import shading_normals
+from scanner_sim.geometry import corner_normals, shading_normals
 from scanner_sim.scan import Scan
 from scanner_sim.thinning import farthest_points
 
@@ -43,7 +43,7 @@ def sample(shape: Shape, n: int, seed: int = 0, shading: str = "smooth") -> Scan
     face_ids, barycentrics, points = face_ids[kept], barycentrics[kept], points[kept]
     return Scan(
         points=points,
-        normals=shading_normals(shape, face_ids, barycentrics, shading),
+        normals=shading_normals(corner_normals(shape, shading), face_ids, barycentrics),
         face_ids=face_ids,
         barycentrics=barycentrics,
         true_points=points,

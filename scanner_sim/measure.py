@@ -188,9 +188,7 @@ def triangulate(
     return rays * (baseline / (rays[:, 0] - slope))[:, None]
 
 
-def verdicts(
-    hits: Hits, measured: Measured, normals: NDArray[np.float64], config: ScannerConfig
-) -> NDArray[np.int8]:
+def verdicts(hits: Hits, measured: Measured, config: ScannerConfig) -> NDArray[np.int8]:
     """Verdict on every hit of a view, (n,).
 
     Parameters
@@ -198,12 +196,10 @@ def verdicts(
     hits
     measured
         Of these hits.
-    normals : (n, 3)
-        Of the hits, in camera coordinates.
     config
     """
     toward = np.array([config.baseline, 0, 0]) - hits.points
-    cosine = np.einsum("nd,nd->n", normals, toward) / np.linalg.norm(toward, axis=1)
+    cosine = np.einsum("nd,nd->n", hits.normals, toward) / np.linalg.norm(toward, axis=1)
     out = np.where(cosine > 0, Verdict.SHADOW, Verdict.GRAZING).astype(np.int8)
     out[measured.index] = measured.verdict
     grazing = (out == Verdict.DARK) & (cosine < config.peak_threshold)

@@ -10,7 +10,6 @@ from datasets_gen.records import InputError, atomic_path
 from datasets_gen.shape import Shape
 from scanner_sim import sensor, stripe
 from scanner_sim.config import ScannerConfig
-from scanner_sim.geometry import shading_normals
 from scanner_sim.materials import Attributes
 from scanner_sim.measure import Measured, Verdict, intensities, verdicts
 from scanner_sim.rays import Hits
@@ -65,7 +64,7 @@ def preview(
     if not 0 <= view < len(rig.poses):
         raise InputError(f"there is no view {view!r} to show; the rig has views 0..{len(rig.poses) - 1}")
     looks = [rig.view(number, seed) for number in range(len(rig.poses))]
-    judged = [_judge(rig, number, *look) for number, look in enumerate(looks)]
+    judged = [verdicts(*look, rig.config) for look in looks]
     figure = Figure(figsize=(15, 9.5), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
     draw(figure, rig, looks[view], judged, view, seed)
@@ -99,20 +98,12 @@ def draw(
     )
 
 
-def _judge(rig: Rig, number: int, hits: Hits, measured: Measured) -> NDArray[np.int8]:
-    """Verdicts on the hits of a view."""
-    normals = shading_normals(rig.shape, hits.face_ids, hits.barycentrics, rig.config.shading)
-    return verdicts(hits, measured, normals @ rig.poses[number][:3, :3], rig.config)
-
-
 def _images(
     rig: Rig, view: int, hits: Hits, measured: Measured, seed: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Values of the hits: shaded by a lamp at the camera, lit by one stripe, and fitted peaks."""
     config = rig.config
-    normals = shading_normals(rig.shape, hits.face_ids, hits.barycentrics, config.shading)
-    local = normals @ rig.poses[view][:3, :3]
-    camera = -np.einsum("nd,nd->n", local, hits.points) / np.linalg.norm(hits.points, axis=1)
+    camera = -np.einsum("nd,nd->n", hits.normals, hits.points) / np.linalg.norm(hits.points, axis=1)
     where = stripe.sheet(hits.points[measured.index], config.baseline)
     rng = np.random.default_rng([seed, view])
     first, values = intensities(hits, measured.index, where, config, rng)

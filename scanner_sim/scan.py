@@ -92,6 +92,9 @@ class Scan:
     def subsample(self, n: int, seed: int = 0) -> "Scan":
         """Farthest-point sample of `n` points; the whole scan if it has no more than that.
 
+        Distances are those of the hits, not of the measured points: a fit that ends otherwise in the last
+        digits, as in another Mitsuba variant, then does not lead to another choice of points.
+
         Parameters
         ----------
         n
@@ -104,7 +107,7 @@ class Scan:
         if n >= len(self):
             return self
         start = int(np.random.default_rng(seed).integers(len(self)))
-        return self.select(farthest_points(self.points, n, start))
+        return self.select(farthest_points(self.true_points, n, start))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything as ``.npz``, or the points with their attributes as ``.ply``."""

@@ -12,7 +12,7 @@ from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 from scanner_sim import bruteforce, normals, registration, variant, viewpoints
 from scanner_sim.config import ScannerConfig
-from scanner_sim.geometry import shading_normals, winding_number
+from scanner_sim.geometry import winding_number
 from scanner_sim.materials import Attributes
 from scanner_sim.measure import Measured, Verdict, measure
 from scanner_sim.rays import Hits, Tracer
@@ -132,6 +132,7 @@ def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:
         measured.points[mask] @ pose[:3, :3].T + pose[:3, 3]
         for (_, measured), mask, pose in zip(views, kept, rig.poses, strict=True)
     ]
+    facing = [h.normals[i] @ pose[:3, :3].T for (h, _), i, pose in zip(views, hit, rig.poses, strict=True)]
     poses = rig.poses.copy()
     poses[:, :3, 3] = frame.to_mesh(poses[:, :3, 3])
     face_ids = np.concatenate([h.face_ids[i] for (h, _), i in zip(views, hit, strict=True)])
@@ -144,7 +145,7 @@ def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:
         points = registration.realign(points, view_ids, seed)
     found = Scan(
         points=points,
-        normals=shading_normals(shape, face_ids, barycentrics, config.shading),
+        normals=np.concatenate(facing),
         face_ids=face_ids,
         barycentrics=barycentrics,
         true_points=shape.at(face_ids, barycentrics),

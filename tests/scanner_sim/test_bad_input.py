@@ -183,3 +183,10 @@ def test_subsample_of_few_points_and_of_one(capsule):
         thin = whole.subsample(n, seed=1)
         assert len(np.unique(thin.points, axis=0)) == n
     assert len(sample(capsule, 1)) == 1
+
+
+def test_subsample_chooses_by_the_surface_not_by_the_fits(sphere):
+    whole = sample(sphere, 3000, seed=1)
+    noise = np.random.default_rng(2).normal(scale=1e-3, size=whole.points.shape)
+    moved = replace(whole, points=whole.points + noise)
+    assert np.array_equal(whole.subsample(500, seed=4).face_ids, moved.subsample(500, seed=4).face_ids)

@@ -115,12 +115,7 @@ def test_preview_is_a_picture_of_its_view(torus, tmp_path):
 def judged(shape, **settings):
     rig = Rig(shape, ScannerConfig(resolution=(60, 60), shading="flat", **settings))
     hits, measured = rig.view(0, seed=0)
-    normals = np.cross(
-        shape.vertices[shape.faces[:, 1]] - shape.vertices[shape.faces[:, 0]],
-        shape.vertices[shape.faces[:, 2]] - shape.vertices[shape.faces[:, 0]],
-    )
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return verdicts(hits, measured, normals[hits.face_ids] @ rig.poses[0][:3, :3], rig.config)
+    return verdicts(hits, measured, rig.config)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 from scanner_sim import ScannerConfig, scan, viewpoints
 from scanner_sim.camera import camera_rays
-from scanner_sim.rays import Tracer
+from scanner_sim.rays import REFLECTANCE, Tracer, rounded
 from scanner_sim.scanner import Rig
 
 MARGIN = 0.02
@@ -170,3 +170,20 @@ def test_residual_shrinks_with_the_peak(fine_sphere):
 def test_without_quantisation_and_noise_points_are_exact(sphere):
     found = scan(sphere, ScannerConfig(views=2, resolution=(100, 100), bits=0))
     assert np.abs(found.points - found.true_points).max() < 2e-4
+
+
+def test_radiance_of_single_precision_becomes_that_of_double():
+    """Of reflectances that are multiples of the step, nothing of the error is left."""
+    rng = np.random.default_rng(0)
+    cosine, reflectance = rng.uniform(0.01, 1, 4000), np.repeat([1.0, 0.5, 0.05, 2.3], 1000)
+    exact = reflectance * cosine
+    single = exact.astype(np.float32).astype(np.float64)
+    assert np.abs(single - exact).max() > 1e-8
+    assert np.allclose(rounded(single, cosine), exact, rtol=1e-14, atol=0)
+    glossy = rng.uniform(0, 3, 4000) * cosine
+    assert (np.abs(rounded(glossy, cosine) - glossy) <= 0.5001 * REFLECTANCE * cosine).all()
+
+
+def test_what_is_in_shadow_stays_dark_and_what_looks_away_stays():
+    radiance = np.array([0.0, 0.0, 0.3, 1e-9])
+    assert rounded(radiance, np.array([0.5, -0.5, -0.1, 0.5])).tolist() == [0.0, 0.0, 0.3, 0.0]
