@@ -38,7 +38,11 @@ from medial.sampling import cluster_samples, spectral_samples
 T = TypeVar("T")
 
 ENOUGH = 1.35
-"""Share of the source that is found plus share of the target, at which no further landmark sets are tried."""
+"""Share of the source that is found plus share of the target, at which no further landmark sets are tried
+and the search does not go on once more."""
+BARELY = 1.1
+"""The same, below which the search does not go on either: where half of each surface has no counterpart, what
+scores better after more of it is wrong as often as right."""
 
 
 def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
@@ -212,7 +216,7 @@ class Pair:
             Of each way.
         more
             Further ones, for when none of the first makes most of both surfaces meet: then rigid motions are
-            tried as well.
+            tried as well, and the search goes on once more if that helps too little.
         """
         ways, config = self.ways, self.config
         followed, settled = self._tried(candidates)
@@ -223,6 +227,8 @@ class Pair:
             if config.rigid_starts:
                 settled = _joined(settled, [way.from_rigid() for way in ways])
         pools = self._moving(search(ways, self._moving(settled)))
+        if more is not None and BARELY < self._seen(pools) < ENOUGH:
+            pools = self._moving(search(ways, pools))
         starts, pool = self._placed(followed), self._placed(pools)
         best, dense = Finish(ways, pools, pool, config).chosen()
         at = pool[best]

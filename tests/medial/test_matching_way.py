@@ -136,6 +136,24 @@ def test_more_sets_are_tried_only_where_the_first_do_not_do(monkeypatch, enough,
     assert len(found.restarts["cost"]) == count
 
 
+@pytest.mark.parametrize(("enough", "barely", "times"), [(0.0, 0.0, 1), (2.0, 0.0, 2), (2.0, 2.0, 1)])
+def test_the_search_goes_on_once_more_where_too_little_meets(monkeypatch, enough, barely, times):
+    best = []
+
+    def watched(ways, fits):
+        found = search(ways, fits)
+        best.append(tuple(max(f.score for each in some for f in each) for some in (fits, found)))
+        return found
+
+    monkeypatch.setattr("medial.matching.ENOUGH", enough)
+    monkeypatch.setattr("medial.matching.BARELY", barely)
+    monkeypatch.setattr("medial.matching.search", watched)
+    match(figure(), bent_figure(*BENT), SMALL)
+    assert len(best) == times
+    assert all(after >= before for before, after in best)
+    assert best[-1][0] >= best[0][1]  # from where it ended
+
+
 def test_the_gap_of_placements_is_their_mean_distance():
     here = Placed(np.zeros((4, 3)), 1.0, 1.0)
     there = Placed(np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 1.0]]), 1.0, 1.0)
