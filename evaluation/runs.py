@@ -236,9 +236,17 @@ class _Sweep:
             "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
             "workers": self._cluster.workers if self._cluster else 0,
             "versions": _versions(),
+            "mitsuba_variants": self._variants(plan),
             "machine": _machine(),
         }
         write_json(self.store.folder / "run.json", info)
+
+    def _variants(self, plan: Plan) -> list[str]:
+        """Mitsuba variants that traced the scans."""
+        renders = (
+            self.store.record("render", task.key) for task in plan.tasks.values() if task.stage == "render"
+        )
+        return sorted({record["info"]["variant"] for record in renders if record is not None})
 
 
 def _versions() -> dict[str, str]:

@@ -11,7 +11,9 @@ def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     """Scan a pose from all viewpoints.
 
     ``spec``: ``pose``, ``scanner`` (fields of `ScannerConfig`), ``seed``. Inputs: ``shape``.
+
+    Info: ``points``, and ``variant``: the Mitsuba variant that traced them.
     """
     shape = inputs.load("shape")[spec["pose"]]
     found = scan(shape, ScannerConfig.from_dict(spec["scanner"]), seed=spec["seed"])
-    return Output(found.save, {"points": len(found)})
+    return Output(found.save, {"points": len(found), "variant": found.variant})

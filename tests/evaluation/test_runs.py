@@ -86,6 +86,8 @@ def test_the_store_stands_by_itself(small, finished):
     assert len(store.operator(eq18.source_operator)) == eq18.n_points
     info = store.run_info()
     assert info["versions"]["numpy"]
+    assert set(info["mitsuba_variants"]) <= {"scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb"}
+    assert len(info["mitsuba_variants"]) == 1
     assert info["rows"] == info["rows_planned"] == len(store.table())
     with pytest.raises(InputError, match="no data set 'cat'"):
         store.collection("cat")
