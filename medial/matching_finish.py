@@ -19,8 +19,10 @@ ADOPTED = (0.25, 8)
 FINALIST = 0.2
 """Of those, what is worth less than the best by more than this is not settled finely."""
 SETTLED = 0.5
-"""Worth of what a fit sees once it is settled finely, added to its score or merit. What settling finely adds
-to the strain is noise."""
+"""Worth of what a fit sees once it is settled finely, added to its score or merit. Between bodies that lie
+differently, what settling finely adds to the strain is noise."""
+LEVEL = 2 * MARGIN
+"""Maps a limb apart whose score is within this of the best are level."""
 
 
 class Finish:
@@ -48,8 +50,9 @@ class Finish:
     def chosen(self) -> tuple[int, Dense]:
         """Number of the best fit, and the map of all source points that it makes.
 
-        What the fits score and see decides. Only between maps that are like the best one and as good do paths
-        along the body: where scans have gaps, paths change under the right map as much as from head to tail.
+        What the fits score and see decides which body goes where. Which limb goes where, of maps like the
+        best one and nearly as good, do the score of the finely settled fit and paths along the body. Paths
+        alone do not: where scans have gaps, they change under the right map as much as from head to tail.
         """
         scores = np.array([each.score for each in self._placed])
         if self._config.refine != "deform":
@@ -59,10 +62,10 @@ class Finish:
         leader = self._best(scores)
         like = np.array([each.like(self._placed[leader]) for each in self._placed])
         merits = np.array([each.merit for each in self._placed])
-        near = self._near(np.where(like & (scores > scores[leader] - MARGIN), merits, -np.inf))
+        near = self._near(np.where(like & (scores > scores[leader] - LEVEL), merits, -np.inf))
         worth = {k: scores[k] + SETTLED * self._settled[k].seen for k in (leader, *near)}
-        level = [k for k in near if worth[k] > worth[leader] - MARGIN] or [leader]
-        best = max(level, key=lambda k: merits[k] + SETTLED * self._settled[k].seen)
+        level = [k for k in (leader, *near) if worth[k] > worth[leader] - LEVEL]
+        best = max(level, key=lambda k: merits[k] + self._settled[k].score - self._fits[k][1].score)
         return best, self._dense(best, self._settled[best])
 
     def _best(self, values: Float) -> int:

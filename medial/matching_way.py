@@ -242,11 +242,17 @@ class Way:
         return self.source.side.samples[near]
 
     def changed(self, fit: Fit) -> float:
-        """How much a fit changes paths along the body (`path_distortion`); 0 where paths are not wanted."""
-        here, there = self.source.paths, self.target.paths
-        if here is None or there is None:
+        """How much a fit changes paths along the body (`path_distortion`), there and back; 0 without paths.
+
+        Both count alike, so that fits of the two ways compare: where two limbs come to lie on one, the paths
+        of the one say little and those of the two say much.
+        """
+        here, there = self.source, self.target
+        if here.paths is None or there.paths is None:
             return 0.0
-        return path_distortion(here, there, self.source.side.samples, fit.partner)
+        out = path_distortion(here.paths, there.paths, here.side.samples, fit.partner)
+        home = path_distortion(there.paths, here.paths, there.side.samples, self.reaching(fit))
+        return (out + home) / 2
 
     def staying(self, fit: Fit) -> float:
         """Share of the points to be moved that a fit to the mirror image leaves in their medial region."""

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from medial.flips import MARGIN
 from medial.matching import Pair
-from medial.matching_finish import Finish
+from medial.matching_finish import LEVEL, Finish
 from medial.matching_way import ALIKE
 from tests.medial.posed import bent_figure, figure
 from tests.medial.test_default_matching import BENT, SMALL
@@ -37,13 +36,20 @@ def chosen(pair, pools, shift, loss, config=SMALL):
 @pytest.mark.parametrize(
     ("shift", "loss", "best"),
     [
-        (0.3 * ALIKE, 0.5 * MARGIN, 1),  # a limb apart: paths decide
-        (3.0 * ALIKE, 0.5 * MARGIN, 0),  # another map: the score decides
-        (0.3 * ALIKE, 1.5 * MARGIN, 0),  # a limb apart, but fits worse
+        (0.3 * ALIKE, 0.5 * LEVEL, 1),  # a limb apart: paths count
+        (3.0 * ALIKE, 0.5 * LEVEL, 0),  # another map: the score decides
+        (0.3 * ALIKE, 1.5 * LEVEL, 0),  # a limb apart, but fits worse
     ],
 )
 def test_paths_choose_between_like_fits_alone(pair, pools, shift, loss, best):
     assert chosen(pair, pools, shift, loss) == best
+
+
+def test_between_like_fits_the_finely_settled_score_counts_as_well(pair, pools, monkeypatch):
+    """Settled finely, the fit of more merit holds together so badly that its paths do not make up for it."""
+    settle, held = Finish._settled_finely, (1.0, 0.4)
+    monkeypatch.setattr(Finish, "_settled_finely", lambda self, k: replace(settle(self, k), held=held[k]))
+    assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * LEVEL) == 0
 
 
 def test_a_map_that_meets_less_of_the_surfaces_is_not_taken_for_its_paths(pair, pools, monkeypatch):
@@ -55,11 +61,11 @@ def test_a_map_that_meets_less_of_the_surfaces_is_not_taken_for_its_paths(pair, 
         return replace(found, found=share * found.found, found_back=share * found.found_back)
 
     monkeypatch.setattr(Finish, "_settled_finely", less)
-    assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * MARGIN) == 0
+    assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * LEVEL) == 0
 
 
 def test_without_deformation_the_score_decides(pair, pools):
-    assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * MARGIN, replace(SMALL, refine="spectral")) == 0
+    assert chosen(pair, pools, 0.3 * ALIKE, 0.5 * LEVEL, replace(SMALL, refine="spectral")) == 0
 
 
 @pytest.mark.parametrize("way", [0, 1])
