@@ -241,17 +241,17 @@ class Way:
         near = tree.query(features(cloud.points[samples], cloud.normals[samples]))[1]
         return self.source.side.samples[near]
 
-    def changed(self, fit: Fit) -> float:
+    def changed(self, fit: Fit, reaching: Int) -> float:
         """How much a fit changes paths along the body (`path_distortion`), there and back; 0 without paths.
 
         Both count alike, so that fits of the two ways compare: where two limbs come to lie on one, the paths
-        of the one say little and those of the two say much.
+        of the one say little and those of the two say much. `reaching` is that of the fit.
         """
         here, there = self.source, self.target
         if here.paths is None or there.paths is None:
             return 0.0
         out = path_distortion(here.paths, there.paths, here.side.samples, fit.partner)
-        home = path_distortion(there.paths, here.paths, there.side.samples, self.reaching(fit))
+        home = path_distortion(there.paths, here.paths, there.side.samples, reaching)
         return (out + home) / 2
 
     def staying(self, fit: Fit) -> float:
@@ -264,8 +264,9 @@ class Way:
 
     def placed(self, fit: Fit) -> Placed:
         """Where a fit puts the samples of the pair's source; of the way back, by the nearest sample."""
-        places = self.source.cloud.points[self.reaching(fit)] if self.backward else fit.moved
-        score, cost = fit.score - STAYING_COST * self.staying(fit), PATH_COST * self.changed(fit)
+        reaching = self.reaching(fit)
+        places = self.source.cloud.points[reaching] if self.backward else fit.moved
+        score, cost = fit.score - STAYING_COST * self.staying(fit), PATH_COST * self.changed(fit, reaching)
         return Placed(places, score if self.to_move is None else score - cost, score - cost)
 
     def fine(self, nodes: int) -> FineDeformation:

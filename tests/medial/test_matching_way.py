@@ -87,7 +87,8 @@ def test_paths_change_as_much_seen_from_either_side(pair, found):
     there, back = pair.ways
     for fit in found[0][:2]:
         turned = back.turned(there, [fit])[0]
-        assert back.changed(turned) == pytest.approx(there.changed(fit), abs=0.01)
+        here = there.changed(fit, there.reaching(fit))
+        assert back.changed(turned, back.reaching(turned)) == pytest.approx(here, abs=0.01)
 
 
 def test_without_path_lengths_merit_is_the_score(found):
