@@ -7,8 +7,8 @@ Node j at rest in g_j carries a rotation R_j and a position y_j; a point x follo
 Nodes are near in the *diffusion map*, not in space alone (`medial.neighbourhoods`). For the medial operator
 a node is a piece of a limb with all its sides, so that a side without data follows the sides that have some,
 and a hand does not stick to the hip beside it. Neighbouring nodes should agree on where both of them go and
-on how they turn. Unknown are six numbers per node, found by Gauss-Newton steps with one dense Cholesky factor
-each.
+on how they turn. Unknown are six numbers per node, found by Gauss-Newton steps with one banded Cholesky
+factor each.
 
 References
 ----------
@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from medial import matching_kernels as kernels
 from medial.sampling import farthest_points
@@ -128,14 +128,21 @@ class NodeGraph:
         anchors, used = coordinates[ids], np.zeros(1, dtype=bool)
         while not used.all():  # of nodes at one place only some get points
             attachment = attach(coordinates, anchors, influences)
-            share = _shares(attachment, len(anchors))  # (n, N)
+            share = shares(attachment, len(anchors))
             mass = share.sum(axis=0)
             used = mass > 1e-9 * mass.max()
             anchors = anchors[used]
         rest = (share.T @ points) / mass[:, None]
         spread = (share.T @ (points**2).sum(axis=1)) / mass - (rest**2).sum(axis=1)
-        edges, hold = _edges(share, mass, anchors)
-        return cls(anchors, rest, edges, hold, float(np.sqrt(np.median(np.maximum(spread, 0))))), attachment
+        reach = float(np.sqrt(np.median(np.maximum(spread, 0))))
+        overlap = (share.T @ share).toarray()
+        edges, hold = _edges(overlap / mass.mean(), anchors)
+        order = _along_the_body(overlap, edges)
+        rank = np.argsort(order)
+        edges = np.sort(rank[edges], axis=1)
+        rows = np.lexsort(edges.T[::-1])
+        graph = cls(anchors[order], rest[order], edges[rows], hold[rows], reach)
+        return graph, Attachment(rank[attachment.nodes], attachment.weights)
 
     def __len__(self) -> int:
         """Return the number of nodes."""
@@ -190,23 +197,31 @@ def attach(coordinates: Float32, anchors: Float32, influences: int = INFLUENCES)
     square = np.einsum("nd,nd->n", coordinates, coordinates)[:, None] - 2 * coordinates @ anchors.T
     square += np.einsum("nd,nd->n", anchors, anchors)
     count = min(influences, len(anchors) - 1)
-    order = np.argsort(square, axis=1, kind="stable")[:, : count + 1]
+    order = np.sort(np.argpartition(square, count, axis=1)[:, : count + 1], axis=1)
+    near = np.argsort(np.take_along_axis(square, order, axis=1), axis=1, kind="stable")
+    order = np.take_along_axis(order, near, axis=1)
     gap = np.sqrt(np.maximum(np.take_along_axis(square, order, axis=1), 0)).astype(np.float64)
     weights = np.maximum(1 - gap[:, :count] / np.maximum(gap[:, count:], 1e-12), 1e-3)
     return Attachment(order[:, :count].astype(np.int64), weights / weights.sum(axis=1, keepdims=True))
 
 
-def _shares(attachment: Attachment, count: int) -> Float:
-    """Weights as a dense matrix, (n, N)."""
-    share = np.zeros((len(attachment.nodes), count))
-    np.put_along_axis(share, attachment.nodes, attachment.weights, axis=1)
-    return share
+def shares(attachment: Attachment, count: int) -> csr_array:
+    """Weights as a sparse matrix, (n, N)."""
+    n, influences = attachment.nodes.shape
+    start = influences * np.arange(n + 1)
+    return csr_array((attachment.weights.ravel(), attachment.nodes.ravel(), start), shape=(n, count))
 
 
-def _edges(share: Float, mass: Float, anchors: Float32) -> tuple[Int, Float]:
+def _along_the_body(overlap: Float, edges: Int) -> Int:
+    """Order of the nodes in which those that share points or an edge have numbers close to each other."""
+    joined = overlap > 0
+    joined[edges[:, 0], edges[:, 1]] = joined[edges[:, 1], edges[:, 0]] = True
+    return np.asarray(reverse_cuthill_mckee(csr_array(joined), symmetric_mode=True), dtype=np.int64)
+
+
+def _edges(overlap: Float, anchors: Float32) -> tuple[Int, Float]:
     """Neighbours (sharing points, or the three nearest) and weights; connected."""
-    overlap = share.T @ share / mass.mean()
-    count = len(mass)
+    count = len(anchors)
     pairs = {(int(i), int(j)): overlap[i, j] for i, j in np.argwhere(np.triu(overlap, 1) > SHARED)}
     gap = np.linalg.norm(anchors[:, None] - anchors, axis=2)
     np.fill_diagonal(gap, np.inf)

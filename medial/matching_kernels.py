@@ -290,22 +290,36 @@ def local_motions(
     return rotations, positions
 
 
+@compiled(fastmath={"contract", "reassoc"})
+def _dot(a: Float, b: Float) -> float:
+    total = 0.0
+    for k in range(len(a)):
+        total += a[k] * b[k]
+    return total
+
+
 @compiled(fastmath={"contract"})
 def cholesky_solve(system: Float, right: Float) -> Float:
-    """Solution of a positive definite system of which the lower triangle is given.
+    """Solution of a positive definite system of which the lower triangle is given; it is overwritten.
 
-    LAPACK's factor without the interpreter lock, which SciPy keeps: maps are tried on all threads at once.
+    A row of the factor starts where that of the system does, so that the cost grows with the square of the
+    bandwidth, not of the size: nodes are numbered along the body.
     """
-    factor = np.linalg.cholesky(system)  # columns are contiguous
-    x = right.copy()
-    for j in range(len(x)):
-        x[j] /= factor[j, j]
-        for i in range(j + 1, len(x)):
-            x[i] -= factor[i, j] * x[j]
-    for j in range(len(x) - 1, -1, -1):
-        for i in range(j + 1, len(x)):
-            x[j] -= factor[i, j] * x[i]
-        x[j] /= factor[j, j]
+    first, x = np.zeros(len(right), np.int64), right.copy()
+    for i in range(len(right)):
+        row, start = system[i], 0
+        while start < i and row[start] == 0:
+            start += 1
+        first[i] = start
+        for j in range(start, i):
+            common = max(start, first[j])
+            row[j] = (row[j] - _dot(row[common:j], system[j, common:j])) / system[j, j]
+        row[i] = np.sqrt(row[i] - _dot(row[start:i], row[start:i]))
+        x[i] = (x[i] - _dot(row[start:i], x[start:i])) / row[i]
+    for i in range(len(right) - 1, -1, -1):
+        x[i] /= system[i, i]
+        for k in range(first[i], i):
+            x[k] -= system[i, k] * x[i]
     return x
 
 
