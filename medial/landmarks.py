@@ -96,7 +96,7 @@ def prepare(diffusion: Diffusion, times: NDArray[np.float64], samples: NDArray[n
 
 def landmark_order(side: Side, times: NDArray[np.float64], start: int, count: int) -> NDArray[np.int64]:
     """Positions in `side.samples` of samples far apart in the diffusion map at the middle time, (count,)."""
-    embedding = diffusion_map(side.diffusion, middle_time(times))[side.samples]
+    embedding = diffusion_map(side.diffusion, middle_time(times), side.samples)
     return farthest_points(embedding, count, start)
 
 
@@ -169,7 +169,7 @@ def first_partners(
     others = target.heats(target.samples[candidates], target.samples)
     none = np.zeros((len(source.samples), len(target.samples)), dtype=np.float32)
     costs = candidate_costs(none, coordinates, others)
-    embedding = diffusion_map(target.diffusion, time)[target.samples]
+    embedding = diffusion_map(target.diffusion, time, target.samples)
     apart = PARTNERS_APART * np.sqrt(embedding.var(axis=0).sum())
     left = np.ones(len(candidates), dtype=bool)
     chosen: list[int] = []

@@ -64,7 +64,7 @@ def first_landmarks(here: Side, time: float, config: MatchConfig, rng: np.random
     count = min(config.restarts, len(here.samples))
     if config.starts == "random":
         return rng.choice(len(here.samples), size=count, replace=False)
-    embedding = diffusion_map(here.diffusion, time)[here.samples]
+    embedding = diffusion_map(here.diffusion, time, here.samples)
     remote = int(np.linalg.norm(embedding - embedding.mean(axis=0), axis=1).argmax())
     return farthest_points(embedding, count, remote)
 

@@ -4,11 +4,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
+from medial.compiled import compiled
 from medial.diffusion import Diffusion
 from medial.nearest import nearest
 
+Float32 = NDArray[np.float32]
+Int = NDArray[np.int64]
+
 LOG_DECADES = 4 * np.log(10)
 """4 ln 10 of [SOG09]: the time at which a mode has decayed by four decades is this over its eigenvalue."""
+SLACK = 1.001
+"""Squared distances are rounded to single precision by less than this factor."""
 
 
 def first_positive_mode(eigenvalues: NDArray[np.float64]) -> int:
@@ -27,7 +33,7 @@ def first_positive_mode(eigenvalues: NDArray[np.float64]) -> int:
     return int(positive[0])
 
 
-def diffusion_map(diffusion: Diffusion, time: float) -> NDArray[np.float64]:
+def diffusion_map(diffusion: Diffusion, time: float, rows: Int | slice = slice(None)) -> NDArray[np.float64]:
     """Coordinates whose Euclidean distance is the diffusion distance at a time: exp(-lambda t) psi.
 
     Parameters
@@ -35,13 +41,15 @@ def diffusion_map(diffusion: Diffusion, time: float) -> NDArray[np.float64]:
     diffusion
     time
         Diffusion time, in the reciprocal unit of the eigenvalues.
+    rows
+        Points wanted; all by default.
 
     Returns
     -------
-    (n, k) float64
+    (rows, k) float64
         Constant modes are kept: with several components they tell the components apart.
     """
-    return diffusion.eigenfunctions * np.exp(-diffusion.eigenvalues * time)
+    return diffusion.eigenfunctions[rows] * np.exp(-diffusion.eigenvalues * time)
 
 
 def smallest_time(diffusion: Diffusion) -> float:
@@ -70,18 +78,62 @@ def farthest_points(
         Starts with `start`.
     """
     x = np.ascontiguousarray(embedding, dtype=np.float32)
-    square = np.einsum("nd,nd->n", x, x)
-    count = min(count, len(x))
-    order = np.empty(count, dtype=np.int64)
-    gap = np.full(len(x), np.inf, dtype=np.float32)
-    for other in () if chosen is None else chosen:
-        np.minimum(gap, square + square[other] - 2 * (x @ x[other]), out=gap)
-    point = start
-    for k in range(count):
-        order[k] = point
-        np.minimum(gap, square + square[point] - 2 * (x @ x[point]), out=gap)
-        gap[point] = -np.inf
-        point = int(gap.argmax())
+    away = np.array([] if chosen is None else chosen, dtype=np.int64)
+    return np.asarray(_farthest_points(x, min(count, len(x)), start, away))
+
+
+@compiled(fastmath={"contract", "reassoc"})
+def _square(a: Float32, b: Float32) -> np.float32:
+    """Squared distance of two points."""
+    total = np.float32(0)
+    for k in range(len(a)):
+        total += (a[k] - b[k]) ** 2
+    return total
+
+
+@compiled()
+def _farthest(gap: Float32, points: Int) -> int:
+    """The point of the largest gap; of equal ones the first."""
+    best = points[0]
+    for i in points:
+        if gap[i] > gap[best] or (gap[i] == gap[best] and i < best):
+            best = i
+    return best
+
+
+@compiled()
+def _farthest_points(x: Float32, count: int, start: int, away: Int) -> Int:
+    """Greedy order; a picked point is nearest to the points of its cell, and knows the farthest of them.
+
+    A new one takes points only from cells whose own point is closer to it than twice their farthest one. All
+    others are left alone.
+    """
+    n, most = len(x), count + len(away)
+    order, gap = np.empty(count, np.int64), np.full(n, np.float32(np.inf))
+    own, far = np.zeros(most + 1, np.int64), np.zeros(most + 1, np.int64)
+    head, after = np.full(most + 1, -1), np.arange(1, n + 1)  # a cell is a linked list
+    head[0], after[n - 1] = 0, -1  # in the first one are the points that are nearest to none yet
+    for new in range(1, most + 1):
+        if new <= len(away):
+            point = away[new - 1]
+            gap[point] = 0
+        else:
+            point = start if new == len(away) + 1 else _farthest(gap, far[:new])
+            order[new - len(away) - 1], gap[point] = point, -np.inf
+        own[new] = far[new] = point
+        for cell in range(new):
+            reach = gap[far[cell]] if far[cell] != point else np.float32(np.inf)
+            if _square(x[point], x[own[cell]]) > 4 * SLACK * reach:
+                continue
+            i, head[cell], far[cell] = head[cell], -1, own[cell]
+            while i >= 0:
+                following, square = after[i], _square(x[point], x[i])
+                to = new if square < gap[i] else cell
+                gap[i] = min(gap[i], square)
+                after[i], head[to] = head[to], i
+                if gap[i] > gap[far[to]] or (gap[i] == gap[far[to]] and i < far[to]):
+                    far[to] = i
+                i = following
     return order
 
 
