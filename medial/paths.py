@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from medial.cloud import Cloud, Float, Int, farthest_order, neighbour_pairs
+from medial.compiled import compiled
 
 NEIGHBOURS = 10
 SURFACE_SHARE = 0.02  # of the way along the surface, so that points of one medial region differ a little
@@ -94,7 +95,19 @@ def path_distortion(source: MedialPaths, target: MedialPaths, points: Int, match
     float
         In sqrt(area); 0 if no two points are `FAR` from each other.
     """
-    here, there = source.nearest[points], target.nearest[matches]
-    before, after = source.lengths[np.ix_(here, here)], target.lengths[np.ix_(there, there)]
-    far = before >= FAR
-    return float(np.minimum(np.abs(after - before)[far], CHANGED).mean()) if far.any() else 0.0
+    return float(
+        _mean_change(source.lengths, target.lengths, source.nearest[points], target.nearest[matches])
+    )
+
+
+@compiled()
+def _mean_change(before: Float, after: Float, here: Int, there: Int) -> float:
+    """The mean over pairs of nodes; path lengths are symmetric."""
+    total, far = 0.0, 0
+    for a in range(len(here)):
+        for b in range(a):
+            length = before[here[a], here[b]]
+            if length >= FAR:
+                total += min(abs(after[there[a], there[b]] - length), CHANGED)
+                far += 1
+    return total / far if far else 0.0
