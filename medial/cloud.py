@@ -14,6 +14,8 @@ from medial.sampling import farthest_points
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
+MOST_POINTS = 8000
+"""Points of a cloud that the search sees; what it finds is carried over to all points in the end."""
 GROSS = 1.4
 """Ratio of sizes up to which two clouds may be scans of one subject in the same units."""
 

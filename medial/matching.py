@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
-from medial.cloud import common_units
+from medial.cloud import MOST_POINTS, common_units, farthest_order
 from medial.compiled import run_tasks
 from medial.confidence import confidence_of_fit, confidence_of_residual
 from medial.diffusion import Diffusion
@@ -148,14 +148,16 @@ class Pair:
         paths: list[MedialPaths | None] = [None, None]
         if config.paths and config.selection == "fit":
             paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
-        self.ends = [End(*parts) for parts in zip(sides, clouds, paths, strict=True)]
+        covers = run_tasks(farthest_order, [(cloud.points, MOST_POINTS) for cloud in clouds])
+        self.ends = [End(*parts) for parts in zip(sides, clouds, paths, covers, strict=True)]
 
     def _samples(self) -> list[NDArray[np.int64]]:
         """S_P and S_Q: by spectral clustering (Sec. 4); where the fit decides, they cover the surface."""
         rngs = [np.random.default_rng([self.seed, k]) for k in (0, 1)]
         count = self.config.samples
         if self.config.selection == "fit":
-            return [cluster_samples(x, count, rng) for x, rng in zip(self._coordinates, rngs, strict=True)]
+            each = zip(self._coordinates, rngs, strict=True)
+            return run_tasks(cluster_samples, [(x, count, rng) for x, rng in each])
         return [spectral_samples(d, count, rng) for d, rng in zip(self.diffusions, rngs, strict=True)]
 
     @cached_property

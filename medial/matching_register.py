@@ -12,13 +12,13 @@ References
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from medial.cloud import Cloud
-from medial.matching_deform import Attachment, Float, Int, NodeGraph, NormalEquations, Pose, moved
+from medial.matching_deform import Attachment, Float, Int, NodeGraph, NormalEquations, Pose, moved, shares
 from medial.matching_kernels import local_motions
 
 NORMAL_LENGTH = 0.06
@@ -104,6 +104,8 @@ class Registration:
     attachment
         Of those points.
     target_points, target_normals : (m, 3)
+    among : (a,) int64
+        Target points that are looked for.
     look_back : (b,) int64
         Target points that look for the source.
     """
@@ -116,18 +118,26 @@ class Registration:
         attachment: Attachment,
         target_points: Float,
         target_normals: Float,
+        among: Int,
         look_back: Int,
     ) -> None:
         self.graph, self.attachment = graph, attachment
         self.points, self.normals = points, normals
         self.target_points, self.target_normals = target_points, target_normals
         self._back_points, self._back_normals = target_points[look_back], target_normals[look_back]
-        self._tree = cKDTree(features(target_points, target_normals))
+        self._among, self._tree = among, cKDTree(features(target_points[among], target_normals[among]))
         self._back_features = features(self._back_points, self._back_normals)
 
     @classmethod
     def between(
-        cls, graph: NodeGraph, attachment: Attachment, source: Cloud, target: Cloud, rows: Int, look_back: Int
+        cls,
+        graph: NodeGraph,
+        attachment: Attachment,
+        source: Cloud,
+        target: Cloud,
+        rows: Int,
+        among: Int,
+        look_back: Int,
     ) -> "Registration":
         """Some points of a cloud, all of which hang on the nodes, against another cloud.
 
@@ -139,11 +149,13 @@ class Registration:
         source, target
         rows : (n,) int64
             Source points that take part.
+        among : (a,) int64
+            Target points that are looked for.
         look_back : (b,) int64
             Target points that look for the source.
         """
         points, normals, hang = source.points[rows], source.normals[rows], attachment.rows(rows)
-        return cls(graph, points, normals, hang, target.points, target.normals, look_back)
+        return cls(graph, points, normals, hang, target.points, target.normals, among, look_back)
 
     def follow(self, goal: Float, goal_normals: Float, schedule: Schedule) -> Pose:
         """Deform the source along a map, robustly: what most neighbours agree on wins.
@@ -158,7 +170,7 @@ class Registration:
             self.normals,
             goal,
             goal_normals,
-            *_wider(self.attachment, len(self.graph)),
+            *self._wider,
             self.graph.rest,
             self.graph.reach,
             SMALLEST_SCALE,
@@ -188,7 +200,7 @@ class Registration:
             stiffness, reach = (a * (b / a) ** done for a, b in (schedule.stiffness, schedule.reach))
             here, normals = self.moved(pose)
             equations = NormalEquations(self.graph, pose)
-            near = self._tree.query(features(here, normals))[1]
+            near = self._nearest(features(here, normals))
             goal, goal_normals = self.target_points[near], self.target_normals[near]
             weight = _cosine(normals, goal_normals) ** 2
             weight *= _robust(np.linalg.norm(here - goal, axis=1), reach)
@@ -206,21 +218,35 @@ class Registration:
         """How well both surfaces find each other in a pose."""
         here, normals = self.moved(pose)
         joined = features(here, normals)
-        near = self._tree.query(joined)[1]
+        near = self._nearest(joined)
         back = cKDTree(joined).query(self._back_features)[1]
         return Fit(
             pose,
             here,
-            near.astype(np.int64),
+            near,
             found(here, normals, self.target_points[near], self.target_normals[near]),
             found(here[back], normals[back], self._back_points, self._back_normals),
             self.graph.strain(pose),
             float(self.graph.held(pose).mean()),
         )
 
+    def _nearest(self, joined: Float) -> Int:
+        """The target point nearest to each of some points, given by their `features`."""
+        return self._among[self._tree.query(joined)[1]]
+
     def moved(self, pose: Pose) -> tuple[Float, Float]:
         """Points and normals that take part, in a pose."""
         return moved(self.points, self.normals, self.attachment, self.graph, pose)
+
+    @cached_property
+    def _wider(self) -> tuple[Int, Int, Float]:
+        """Points near each node or its neighbours, as (start, point, weight) in compressed rows."""
+        share = shares(self.attachment, len(self.graph))
+        overlap = (share.T @ share).toarray()
+        wide = (share @ (overlap / overlap.sum(axis=1, keepdims=True))).T  # (N, n)
+        node, point = np.nonzero(wide > 1e-2 * wide.max(axis=1, keepdims=True))
+        start = np.searchsorted(node, np.arange(len(wide) + 1))
+        return start.astype(np.int64), point.astype(np.int64), wide[node, point]
 
     def _pull(
         self, equations: NormalEquations, rows: Int, offset: Float, normals: Float, weight: Float
@@ -248,14 +274,3 @@ def _cosine(a: Float, b: Float) -> Float:
 def _robust(residual: Float, scale: float) -> Float:
     """Geman-McClure weight (1 + (r / s)^2)^-2."""
     return 1 / (1 + (residual / scale) ** 2) ** 2
-
-
-def _wider(attachment: Attachment, count: int) -> tuple[Int, NDArray[np.int64], Float]:
-    """Points within reach of each node or of its neighbours, as (start, point, weight) in compressed rows."""
-    share = np.zeros((len(attachment.nodes), count))
-    np.put_along_axis(share, attachment.nodes, attachment.weights, axis=1)
-    overlap = share.T @ share
-    wide = (share @ (overlap / overlap.sum(axis=1, keepdims=True))).T  # (N, n)
-    node, point = np.nonzero(wide > 1e-2 * wide.max(axis=1, keepdims=True))
-    start = np.searchsorted(node, np.arange(count + 1))
-    return start.astype(np.int64), point.astype(np.int64), wide[node, point]

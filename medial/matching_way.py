@@ -121,11 +121,14 @@ class End:
         In the units of the pair.
     paths : MedialPaths, optional
         Where sets by path length are wanted.
+    cover : (c,) int64
+        At most `MOST_POINTS` points, in farthest-point order: what the search sees of the cloud.
     """
 
     side: Side
     cloud: Cloud
     paths: MedialPaths | None
+    cover: Int
 
 
 class Way:
@@ -163,7 +166,7 @@ class Way:
         rows = source.side.samples
         self.graph, self.attachment = NodeGraph.over(coordinates, source.cloud.points, rows, nodes)
         self._quick = Registration.between(
-            self.graph, self.attachment, source.cloud, target.cloud, rows, target.side.samples
+            self.graph, self.attachment, source.cloud, target.cloud, rows, target.cover, target.side.samples
         )
 
     def sets(self, starts: Int) -> list[Int]:
@@ -271,9 +274,9 @@ class Way:
 
     def fine(self, nodes: int) -> FineDeformation:
         """Fine deformations the same way."""
-        return FineDeformation(
-            self.source.cloud, self.target.cloud, self.coordinates, self.source.side.samples, nodes
-        )
+        here, there = self.source, self.target
+        covers = here.cover, there.cover
+        return FineDeformation(here.cloud, there.cloud, covers, self.coordinates, here.side.samples, nodes)
 
 
 class Sets:

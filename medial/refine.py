@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from medial.cloud import Cloud, farthest_order
+from medial.cloud import Cloud
 from medial.compiled import thread_count
 from medial.diffusion import Diffusion
 from medial.matching_deform import Attachment, NodeGraph, Pose, moved
@@ -19,8 +19,6 @@ Int = NDArray[np.int64]
 
 FINE_INFLUENCES = 6
 """Nodes that move a point in the fine deformation, whose nodes are close: it is smoother with more."""
-MOST_POINTS = 8000
-"""Source points that take part in the fine deformation."""
 LOOK_BACK = 3000
 """Target points that look for the source in the fine deformation."""
 FINE = Schedule(follow=0, rounds=12, stiffness=(1.0, 0.003))
@@ -61,6 +59,8 @@ class FineDeformation:
     ----------
     source, target
         Clouds in common units.
+    covers
+        Source points that take part, and target points that they look for, in farthest-point order.
     coordinates : (n, d)
         `medial.neighbourhoods` of the source.
     eligible
@@ -69,19 +69,28 @@ class FineDeformation:
         Number of nodes.
     """
 
-    def __init__(self, source: Cloud, target: Cloud, coordinates: Float32, eligible: Int, nodes: int) -> None:
+    def __init__(
+        self,
+        source: Cloud,
+        target: Cloud,
+        covers: tuple[Int, Int],
+        coordinates: Float32,
+        eligible: Int,
+        nodes: int,
+    ) -> None:
         self.source, self.target = source, target
         count = max(2, min(nodes, len(source) // 4))
         self.graph, self.attachment = NodeGraph.over(
             coordinates, source.points, eligible, count, FINE_INFLUENCES
         )
-        taken = farthest_order(source.points, MOST_POINTS) if len(source) > MOST_POINTS else slice(None)
-        self._taken = np.arange(len(source))[taken]
-        self._registration = self._over(self._taken, farthest_order(target.points, LOOK_BACK))
-        self._everything = self._over(np.arange(len(source)), np.arange(1))
+        self._taken, among = covers
+        self._registration = self._over(self._taken, among, among[:LOOK_BACK])
+        self._everything = self._over(np.arange(len(source)), np.arange(len(target)), np.arange(1))
 
-    def _over(self, taken: Int, look_back: Int) -> Registration:
-        return Registration.between(self.graph, self.attachment, self.source, self.target, taken, look_back)
+    def _over(self, taken: Int, among: Int, look_back: Int) -> Registration:
+        return Registration.between(
+            self.graph, self.attachment, self.source, self.target, taken, among, look_back
+        )
 
     def adopt(self, graph: NodeGraph, attachment: Attachment, pose: Pose) -> Pose:
         """A coarse pose carried over to the fine nodes.

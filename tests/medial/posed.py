@@ -88,6 +88,7 @@ class Setup:
             attachment.rows(self.samples),
             self.target.points,
             self.target.normals,
+            np.arange(len(self.target)),
             look_back,
         )
 

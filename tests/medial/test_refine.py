@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from medial.cloud import MOST_POINTS, farthest_order
 from medial.matching_deform import NodeGraph
 from medial.neighbourhoods import neighbourhoods
 from medial.refine import FineDeformation, spectral_refinement
@@ -17,7 +18,8 @@ from tests.medial.posed import bent, bent_figure, common_units, figure, rest_pos
 def fine(target, nodes=80):
     here, there = common_units(figure(), target)
     samples = spectral_samples(figure(), 250, np.random.default_rng(0))
-    return FineDeformation(here, there, neighbourhoods(figure()), samples, nodes)
+    covers = tuple(farthest_order(cloud.points, MOST_POINTS) for cloud in (here, there))
+    return FineDeformation(here, there, covers, neighbourhoods(figure()), samples, nodes)
 
 
 @pytest.fixture(scope="module")
