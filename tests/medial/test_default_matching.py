@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from medial import Diffusion, MatchConfig, match
+from medial import Diffusion, MatchConfig, match, matching
 from tests.medial.clouds import body, cylinder, planes, rotation, sphere, torus
 from tests.medial.posed import bent, common_units, figure
 
@@ -47,6 +47,14 @@ def whole():
 def without_arm():
     target = other_sample(lambda points: points[:, 0] < 0.35)
     return target, match(figure(), target, SMALL)
+
+
+def test_a_search_that_sees_a_part_of_the_points_matches_all(whole, truth, monkeypatch):
+    monkeypatch.setattr(matching, "MOST_POINTS", 300)
+    found = match(figure(), whole[0], SMALL)
+    assert len(found.source_to_target) == len(figure())
+    assert len(np.unique(found.source_to_target)) > 350
+    assert errors(found, whole[0], truth).mean() < 1.3 * errors(whole[1], whole[0], truth).mean()
 
 
 @settings(max_examples=3, deadline=None, derandomize=True, database=None)

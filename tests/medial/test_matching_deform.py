@@ -11,12 +11,14 @@ from scipy.spatial.transform import Rotation
 from medial import matching_kernels as kernels
 from medial.matching_deform import (
     BEND,
+    SHARED,
     Attachment,
     NodeGraph,
     NormalEquations,
     Pose,
     attach,
     moved,
+    shares,
     solve,
 )
 from tests.medial.clouds import rotation
@@ -30,6 +32,11 @@ def blob(n=60, nodes=9, seed=0):
     points = np.random.default_rng(seed).standard_normal((n, 3)) * [0.5, 0.2, 0.2]
     graph, attachment = NodeGraph.over(points.astype(np.float32), points, np.arange(n), nodes)
     return points, graph, attachment
+
+
+def graph_over_a_rod(nodes):
+    points = np.random.default_rng(0).standard_normal((800, 3)) * [8, 0.1, 0.1]
+    return NodeGraph.over(points.astype(np.float32), points, np.arange(800), nodes)
 
 
 def disturbed(graph, size, seed=0):
@@ -191,6 +198,35 @@ def test_the_cholesky_solution_is_that_of_the_lower_triangle(size):
     system = factor.T @ factor + np.eye(size)
     found = kernels.cholesky_solve(np.tril(system) + np.triu(random.standard_normal((size, size)), 1), right)
     assert np.allclose(found, np.linalg.solve(system, right), rtol=1e-10)
+
+
+@pytest.mark.parametrize("width", [0, 1, 13])
+def test_the_cholesky_solution_of_a_banded_system(width):
+    random = np.random.default_rng(width)
+    rows, columns = np.indices((90, 90))
+    band = np.where((rows - columns >= 0) & (rows - columns <= width), random.standard_normal((90, 90)), 0)
+    system, right = band @ band.T + np.eye(90), random.standard_normal(90)
+    assert np.allclose(
+        kernels.cholesky_solve(system.copy(), right), np.linalg.solve(system, right), rtol=1e-9
+    )
+
+
+def test_nodes_are_numbered_along_the_body():
+    _, attachment = graph_over_a_rod(60)
+    spread = np.ptp(attachment.nodes, axis=1)
+    assert spread.max() < 12  # a point hangs on nodes beside each other, so that the system is banded
+
+
+def test_numbering_keeps_nodes_and_their_points_together():
+    points, graph, attachment = blob(200, 12)
+    share = shares(attachment, len(graph)).toarray()
+    assert np.allclose(share.sum(axis=1), 1)
+    assert np.allclose(share.T @ points / share.sum(axis=0)[:, None], graph.rest)
+    gap = np.linalg.norm(points[:, None] - graph.coordinates, axis=2)
+    assert np.array_equal(attachment.nodes[:, 0], gap.argmin(axis=1))
+    held = {tuple(edge) for edge in graph.edges}
+    most = share.T @ share / share.sum(axis=0).mean()
+    assert all((i, j) in held for i, j in np.argwhere(np.triu(most, 1) > SHARED))
 
 
 def test_a_step_solves_the_damped_normal_equations():

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from medial.neighbourhoods import neighbourhoods, piece_radius
+from medial.neighbourhoods import NEAR, neighbourhoods, piece_radius
+from medial.sampling import diffusion_map, smallest_time
 from tests.medial.clouds import rotation
 from tests.medial.posed import figure
 
@@ -26,6 +27,16 @@ def test_units_motion_and_pose_of_the_frame_do_not_matter():
         areas=figure().areas * scale**2,
     )
     assert np.allclose(distances(neighbourhoods(moved), ids), before, rtol=1e-3, atol=1e-3)
+
+
+def test_modes_that_are_left_out_change_no_distance():
+    cloud, ids = figure(), np.arange(0, len(figure()), 20)
+    time = NEAR * smallest_time(cloud)
+    found, every = neighbourhoods(cloud)[:, :-3], diffusion_map(cloud, time).astype(np.float32)
+    assert found.shape[1] < every.shape[1]
+    assert np.allclose(
+        distances(found, ids), distances(every / piece_radius(every), ids), rtol=1e-5, atol=1e-5
+    )
 
 
 def test_limbs_that_diffusion_takes_for_one_stay_apart():

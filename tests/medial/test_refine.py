@@ -15,10 +15,10 @@ from tests.medial.clouds import rotation
 from tests.medial.posed import bent, bent_figure, common_units, figure, rest_pose, rigid_pose
 
 
-def fine(target, nodes=80):
+def fine(target, nodes=80, seen=MOST_POINTS):
     here, there = common_units(figure(), target)
     samples = spectral_samples(figure(), 250, np.random.default_rng(0))
-    covers = tuple(farthest_order(cloud.points, MOST_POINTS) for cloud in (here, there))
+    covers = tuple(farthest_order(cloud.points, seen) for cloud in (here, there))
     return FineDeformation(here, there, covers, neighbourhoods(figure()), samples, nodes)
 
 
@@ -57,6 +57,18 @@ def test_settling_follows_a_bend():
     after = deformation.dense(deformation.settle(rest_pose(deformation.graph))).match
     assert gaps(deformation, before).mean() > 0.004
     assert gaps(deformation, after).mean() < gaps(deformation, before).mean() / 3
+
+
+@pytest.mark.parametrize("direction", [FineDeformation.dense, FineDeformation.inverse])
+def test_of_a_large_cloud_some_points_settle_and_all_are_matched(direction):
+    deformation = fine(bent_figure(0.5, -0.5), seen=300)
+    fit = deformation.settle(rest_pose(deformation.graph))
+    assert len(fit.moved) == 300
+    assert len(np.unique(fit.partner)) <= 300
+    dense = direction(deformation, fit)
+    assert len(dense.match) == len(figure())
+    assert len(np.unique(dense.match)) > 500
+    assert gaps(deformation, dense.match).mean() < 0.01
 
 
 def test_a_coarse_pose_is_carried_over_to_the_fine_nodes(same):

@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from datasets_gen.records import InputError
 from medial.sampling import (
@@ -27,13 +29,31 @@ def test_diffusion_map_distances_are_those_of_the_kernel(shape):
     np.testing.assert_allclose(found, expected, atol=1e-9)
 
 
-def test_farthest_points_matches_a_slow_one():
-    x = np.random.default_rng(0).normal(size=(80, 4))
-    order = [7]
-    while len(order) < 20:
-        gap = np.linalg.norm(x[:, None] - x[order], axis=2).min(axis=1)
+def slow_farthest_points(x, count, start, chosen):
+    """Squared gaps to all points picked before; of equal ones the first, and none twice."""
+    order = [start]
+    while len(order) < min(count, len(x)):
+        gap = ((x[:, None] - x[[*chosen, *order]]) ** 2).sum(axis=2).min(axis=1)
+        gap[order] = -np.inf
         order.append(int(gap.argmax()))
-    assert farthest_points(x, 20, 7).tolist() == order
+    return order
+
+
+@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@given(st.data())
+def test_farthest_points_matches_a_slow_one(data):
+    """On a small grid, so that points coincide and gaps are equal."""
+    n, d = data.draw(st.integers(1, 60)), data.draw(st.sampled_from([1, 2, 3, 9]))
+    x = np.random.default_rng(data.draw(st.integers(0, 99))).integers(0, 6, (n, d)).astype(float)
+    chosen = data.draw(st.lists(st.integers(0, n - 1), max_size=4))
+    start, count = data.draw(st.integers(0, n - 1)), data.draw(st.integers(1, n + 3))
+    found = farthest_points(x, count, start, chosen=np.array(chosen, dtype=np.int64))
+    assert found.tolist() == slow_farthest_points(x, count, start, chosen)
+
+
+def test_farthest_points_of_many_dimensions_matches_a_slow_one():
+    x = np.random.default_rng(0).normal(size=(300, 40))
+    assert farthest_points(x, 90, 7).tolist() == slow_farthest_points(x, 90, 7, [])
 
 
 def test_farthest_points_of_identical_points_are_distinct():
