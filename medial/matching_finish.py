@@ -64,7 +64,7 @@ class Finish:
         merits = np.array([each.merit for each in self._placed])
         near = self._near(np.where(like & (scores > scores[leader] - LEVEL), merits, -np.inf))
         worth = {k: scores[k] + SETTLED * self._settled[k].seen for k in (leader, *near)}
-        level = [k for k in (leader, *near) if worth[k] > worth[leader] - LEVEL]
+        level = [k for k in worth if worth[k] > worth[leader] - LEVEL]
         best = max(level, key=lambda k: merits[k] + self._settled[k].score - self._fits[k][1].score)
         return best, self._dense(best, self._settled[best])
 
