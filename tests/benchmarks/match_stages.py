@@ -1,5 +1,10 @@
-"""Time and memory of one match, in a process of its own: ``python -m tests.benchmarks.match_stages N``."""
+"""Time and memory of one match, in a process of its own: ``python -m tests.benchmarks.match_stages N``.
 
+Options name other scans than two of the built-in human, a fifth of whose surface is missing: ``--dataset``
+(built in, or a folder of posed meshes), ``--poses``, ``--threshold``, ``--views``.
+"""
+
+import argparse
 import json
 import sys
 
@@ -10,20 +15,20 @@ from medial import Diffusion, match
 from scanner_sim import ScannerConfig, scan
 from tests.benchmarks.measuring import measured
 
-POSES = ("walk", "run")
 
-
-def main(points: int) -> dict[str, float | None]:
-    """Match two scans of the built-in human, a fifth of whose surface is missing."""
-    body = datasets_gen.load("human")
-    config = ScannerConfig(views=6)
-    whole = [scan(body[pose], config).accept(0.8) for pose in POSES]
+def main(
+    points: int, dataset: str, poses: tuple[str, str], threshold: float, views: int
+) -> dict[str, float | None]:
+    """Match two scans; their operators are not part of the time."""
+    body = datasets_gen.load(dataset)
+    config = ScannerConfig(views=views)
+    whole = [scan(body[pose], config).accept(threshold) for pose in poses]
     small = [Diffusion.from_points(s.points, s.normals, modes=60) for s in (w.subsample(800) for w in whole)]
     match(*small)  # kernels are loaded
     scans = [w.subsample(points) for w in whole]
     operators = [Diffusion.from_points(s.points, s.normals) for s in scans]
     found, (wall, processor, peak) = measured(match, *operators)
-    truth = [body.canonical(body[p], s.face_ids, s.barycentrics) for p, s in zip(POSES, scans, strict=True)]
+    truth = [body.canonical(body[p], s.face_ids, s.barycentrics) for p, s in zip(poses, scans, strict=True)]
     error = np.linalg.norm(truth[1][found.source_to_target] - truth[0], axis=1)
     return {
         "points": float(np.mean([len(s) for s in scans])),
@@ -35,4 +40,10 @@ def main(points: int) -> dict[str, float | None]:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(json.dumps(main(int(sys.argv[1]))) + "\n")
+    parser = argparse.ArgumentParser()
+    parser.add_argument("points", type=int)
+    parser.add_argument("--dataset", default="human")
+    parser.add_argument("--poses", nargs=2, default=("walk", "run"))
+    parser.add_argument("--threshold", type=float, default=0.8)
+    parser.add_argument("--views", type=int, default=6)
+    sys.stdout.write(json.dumps(main(**vars(parser.parse_args()))) + "\n")
