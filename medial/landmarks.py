@@ -22,6 +22,9 @@ Float64 = NDArray[np.float64]
 
 PARTNERS_APART = 0.5
 """Alternatives are apart by this part of the target's root mean square extent in the diffusion map."""
+DECAYED = 1e-20
+"""Modes that have decayed to less than this, relative to the heat trace, count as gone. Far below what single
+precision resolves, and above its subnormal numbers, which make matrix products some twenty times slower."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class Side:
     samples : (s,) int64
         Point ids of S_P or S_Q.
     decay : (k, T) float32
-        exp(-lambda_i t) over the heat trace at t.
+        exp(-lambda_i t) over the heat trace at t; 0 below `DECAYED`.
     psi : (n, k) float32
         Eigenfunctions in units in which the cloud's total area is 1.
     signature : (s, T) float32
@@ -89,7 +92,8 @@ def prepare(diffusion: Diffusion, times: NDArray[np.float64], samples: NDArray[n
     """Tabulate the heat traces of a cloud and the signatures of its samples."""
     scale = np.sqrt(diffusion.areas.sum())
     psi = (diffusion.eigenfunctions * scale).astype(np.float32)
-    decay = (np.exp(-np.outer(diffusion.eigenvalues, times)) / diffusion.heat_trace(times)).astype(np.float32)
+    exact = np.exp(-np.outer(diffusion.eigenvalues, times)) / diffusion.heat_trace(times)
+    decay = np.where(exact < DECAYED, 0, exact).astype(np.float32)
     with single_blas_thread():
         return Side(diffusion, samples, decay, psi, psi[samples] ** 2 @ decay)
 
@@ -127,7 +131,7 @@ def search_landmarks(
         Positions in `target.samples`.
     """
     partners = np.empty(len(order), dtype=np.int64)
-    agreement = np.zeros((len(source.samples), len(target.samples)), dtype=np.float32)
+    agreement = np.zeros((len(target.samples), len(source.samples)), dtype=np.float32)
     for step, landmark in enumerate(order):
         if step == 0 and first_partner is not None:
             candidates = np.array([first_partner])
@@ -138,7 +142,7 @@ def search_landmarks(
         best = int(candidate_costs(agreement, coordinates, others).argmin())
         partners[step] = candidates[best]
         product, square_x, square_y = _square_parts(coordinates, others[best])
-        agreement += product + square_x[:, None] + square_y
+        agreement += product + square_y[:, None] + square_x
     return partners
 
 
@@ -167,7 +171,7 @@ def first_partners(
     candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
     coordinates = source.heat(int(source.samples[landmark]), source.samples)
     others = target.heats(target.samples[candidates], target.samples)
-    none = np.zeros((len(source.samples), len(target.samples)), dtype=np.float32)
+    none = np.zeros((len(target.samples), len(source.samples)), dtype=np.float32)
     costs = candidate_costs(none, coordinates, others)
     embedding = diffusion_map(target.diffusion, time, target.samples)
     apart = PARTNERS_APART * np.sqrt(embedding.var(axis=0).sum())
@@ -186,8 +190,8 @@ def candidate_costs(agreement: Float32, coordinates: Float32, others: Float32) -
 
     Parameters
     ----------
-    agreement : (s, m)
-        Squared distances from landmarks found before.
+    agreement : (m, s)
+        Squared distances from landmarks found before, of target samples from source samples.
     coordinates : (s, T)
         Of the source samples, from the new landmark.
     others : (candidates, m, T)
@@ -224,21 +228,22 @@ def nearest_signatures(
 
 
 def _square_parts(x: Float32, y: Float32) -> tuple[Float32, Float32, Float32]:
-    """Terms of |x_i - y_j|^2 = -2 x_i.y_j + |x_i|^2 + |y_j|^2, centred to keep digits; (n, m), (n,), (m,)."""
+    """Terms of |x_i - y_j|^2 = -2 y_j.x_i + |x_i|^2 + |y_j|^2, centred to keep digits; (m, n), (n,), (m,)."""
     centre = y.mean(axis=0)
     a, b = x - centre, y - centre
-    return a @ (-2 * b.T), np.einsum("nd,nd->n", a, a), np.einsum("md,md->m", b, b)
+    return b @ (-2 * a.T), np.einsum("nd,nd->n", a, a), np.einsum("md,md->m", b, b)
 
 
 @compiled(fastmath={"contract", "nnan", "nsz"})
 def _sum_of_nearest(agreement: Float32, product: Float32, square_x: Float32, square_y: Float32) -> float:
-    """Sum over rows of the square root of the row's smallest squared distance (the objective of Eq. 16)."""
+    """Sum over columns of the square root of the column's smallest squared distance (Eq. 16's objective)."""
+    least = np.full(len(square_x), np.float32(np.inf))
+    for j in range(len(square_y)):
+        for i in range(len(square_x)):  # columns side by side
+            least[i] = min(least[i], agreement[j, i] + product[j, i] + square_y[j])
     total = 0.0
-    for i in range(product.shape[0]):
-        least = np.float32(np.inf)
-        for j in range(product.shape[1]):
-            least = min(least, agreement[i, j] + product[i, j] + square_y[j])
-        total += np.sqrt(max(least + square_x[i], np.float32(0)))
+    for i in range(len(square_x)):
+        total += np.sqrt(max(least[i] + square_x[i], np.float32(0)))
     return total
 
 

@@ -49,6 +49,18 @@ def test_heat_is_equation_13_over_the_trace(pair):
     )
 
 
+def test_gone_modes_are_zero_not_subnormal(pair):
+    """Products with subnormal numbers are many times slower."""
+    times, source, _ = pair
+    late = prepare(source.diffusion, times * np.geomspace(1, 30, len(times)), source.samples)
+    exact = np.exp(-np.outer(source.diffusion.eigenvalues, times * np.geomspace(1, 30, len(times))))
+    smallest = np.finfo(np.float32).tiny
+    assert ((exact > 0) & (exact < smallest)).any()
+    assert (late.decay == 0).any()
+    weights = late.psi[late.samples].T[:, :, None] * late.decay[:, None, :]
+    assert not ((weights != 0) & (np.abs(weights) < smallest)).any()
+
+
 def slow_search(source, target, order, times):
     """Eq. 16 with loops."""
     sp, sq = source.samples, target.samples
