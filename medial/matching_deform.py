@@ -248,24 +248,29 @@ def solve(system: Float, right: Float) -> Float:
 
 
 class NormalEquations:
-    """Gauss-Newton step of a pose: add terms, then `step`."""
+    """Gauss-Newton step of a pose: pull the points, then `step`.
 
-    def __init__(self, graph: NodeGraph, pose: Pose) -> None:
-        self.graph, self.pose = graph, pose
-        size = 6 * len(graph)
-        self._system, self._right = np.zeros((size, size)), np.zeros(size)
+    Parameters
+    ----------
+    graph
+    pose
+    points : (n, 3)
+        At rest.
+    attachment
+        Of the points.
+    """
 
-    def pull(
-        self, points: Float, attachment: Attachment, offset: Float, normals: Float, even: Float, along: Float
-    ) -> None:
-        """Pull points: even |offset|^2 + along (n . offset)^2.
+    def __init__(self, graph: NodeGraph, pose: Pose, points: Float, attachment: Attachment) -> None:
+        self._graph, self._pose, self._points, self._attachment = graph, pose, points, attachment
+        self._metric, self._force = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
+
+    def pull(self, rows: Int, offset: Float, normals: Float, even: Float, along: Float) -> None:
+        """Pull some of the points: even |offset|^2 + along (n . offset)^2.
 
         Parameters
         ----------
-        points : (m, 3)
-            At rest.
-        attachment
-            Of the points.
+        rows : (m,) int64
+            The points; they may repeat.
         offset : (m, 3)
             From the goal to where the point is now.
         normals : (m, 3)
@@ -273,28 +278,19 @@ class NormalEquations:
         even, along : (m,)
             Weights.
         """
+        kernels.add_pulls(self._metric, self._force, rows, offset, normals, even, along)
+
+    def step(self, stiffness: float) -> Pose:
+        """The pose after one step, in which neighbouring nodes hold together with a weight."""
+        size = 6 * len(self._graph)
+        system, right = np.zeros((size, size)), np.zeros(size)
+        turn, nodes, weights = self._pose.rotations, self._attachment.nodes, self._attachment.weights
         kernels.add_points(
-            self._system,
-            self._right,
-            points,
-            attachment.nodes,
-            attachment.weights,
-            self.graph.rest,
-            self.pose.rotations,
-            offset,
-            normals,
-            even,
-            along,
+            system, right, self._points, nodes, weights, self._graph.rest, turn, self._metric, self._force
         )
-
-    def stiffen(self, weight: float) -> None:
-        """Hold neighbouring nodes together."""
-        self.graph.add_edges(self._system, self._right, self.pose, weight)
-
-    def step(self) -> Pose:
-        """The pose after one step."""
-        change = solve(self._system, self._right).reshape(-1, 6)
-        return Pose(kernels.turned(self.pose.rotations, change[:, :3]), self.pose.positions + change[:, 3:])
+        self._graph.add_edges(system, right, self._pose, stiffness)
+        change = solve(system, right).reshape(-1, 6)
+        return Pose(kernels.turned(turn, change[:, :3]), self._pose.positions + change[:, 3:])
 
 
 def moved(

@@ -54,6 +54,64 @@ def _arm(out: Float, turn: Float, x: Float, g: Float) -> None:
 
 
 @compiled(fastmath={"contract"})
+def meeting(points: Float, normals: Float, goals: Float, goal_normals: Float) -> tuple[Float, Float]:
+    """Squared distances of points from their goals, and cosines of their normals, not below 0; (n,) each."""
+    square, cosine = np.zeros(len(points)), np.zeros(len(points))
+    for i in range(len(points)):
+        dot = 0.0
+        for r in range(3):
+            square[i] += (points[i, r] - goals[i, r]) ** 2
+            dot += normals[i, r] * goal_normals[i, r]
+        cosine[i] = min(1.0, max(0.0, dot))
+    return square, cosine
+
+
+@compiled(fastmath={"contract"})
+def nearest_of_few(places: Float, goals: Float) -> Int:
+    """Index of the place nearest to each goal, (g,); of equally near ones the first.
+
+    Compares all pairs: for some hundred places faster than making a tree. The innermost loop runs over the
+    goals, side by side.
+
+    Parameters
+    ----------
+    places : (p, 6)
+    goals : (g, 6)
+    """
+    a, b, c, d, e, f = [np.ascontiguousarray(goals[:, k]) for k in range(6)]
+    index, least = np.zeros(len(goals), np.int64), np.full(len(goals), np.inf)
+    for i in range(len(places)):
+        u, v, w, x, y, z = places[i]
+        for j in range(len(goals)):
+            square = (a[j] - u) ** 2 + (b[j] - v) ** 2 + (c[j] - w) ** 2
+            square += (d[j] - x) ** 2 + (e[j] - y) ** 2 + (f[j] - z) ** 2
+            nearer = square < least[j]
+            least[j] = square if nearer else least[j]
+            index[j] = i if nearer else index[j]
+    return index
+
+
+@compiled(fastmath={"contract"})
+def add_pulls(
+    metric: Float, force: Float, rows: Int, offset: Float, normals: Float, even: Float, along: Float
+) -> None:
+    """Add the terms even |o|^2 + along (n . o)^2 of offsets o (m, 3) to those of the points they pull.
+
+    A term's metric is M = even I + along n n^T; the points' sums of M, (n, 3, 3), and of M o, (n, 3), are all
+    that the normal equations need.
+    """
+    for i in range(len(rows)):
+        j, slip = rows[i], 0.0
+        for r in range(3):
+            slip += along[i] * normals[i, r] * offset[i, r]
+        for r in range(3):
+            for c in range(3):
+                metric[j, r, c] += along[i] * normals[i, r] * normals[i, c]
+            metric[j, r, r] += even[i]
+            force[j, r] += even[i] * offset[i, r] + slip * normals[i, r]
+
+
+@compiled(fastmath={"contract"})
 def add_points(
     system: Float,
     right: Float,
@@ -62,48 +120,49 @@ def add_points(
     weights: Float,
     rest: Float,
     turn: Float,
-    offset: Float,
-    normals: Float,
-    even: Float,
-    along: Float,
+    metric: Float,
+    force: Float,
 ) -> None:
-    """Add the data terms to the lower triangle of the system and to the right-hand side."""
+    """Add the data terms to the lower triangle of the system and to the right-hand side.
+
+    A point's derivative by node k is L_k = w_k [-[y_k]x, I], y_k its arm from that node; what is added is
+    L_k^T M L_m and L_k^T f, with the cross products written out.
+    """
     influences = nodes.shape[1]
-    lever, metric = np.zeros((influences, 3, 6)), np.zeros((3, 3))
-    pulled, arm = np.zeros((influences, 3, 6)), np.zeros(3)
+    arms, pulled = np.zeros((influences, 3)), np.zeros((3, 6))
     for i in range(len(points)):
-        if even[i] <= 0 and along[i] <= 0:
+        if metric[i, 0, 0] + metric[i, 1, 1] + metric[i, 2, 2] <= 0:
             continue
-        for r in range(3):
-            for c in range(3):
-                metric[r, c] = along[i] * normals[i, r] * normals[i, c]
-            metric[r, r] += even[i]
         for k in range(influences):
-            j = nodes[i, k]
-            _arm(arm, turn[j], points[i], rest[j])
-            _lever(lever[k], weights[i, k], arm)
-            for r in range(3):
-                for q in range(6):
-                    pulled[k, r, q] = (
-                        metric[r, 0] * lever[k, 0, q]
-                        + metric[r, 1] * lever[k, 1, q]
-                        + metric[r, 2] * lever[k, 2, q]
-                    )
-        for k in range(influences):
-            row = 6 * nodes[i, k]
-            for q in range(6):
-                for r in range(3):
-                    right[row + q] += pulled[k, r, q] * offset[i, r]
-            for m in range(influences):
-                col = 6 * nodes[i, m]
+            _arm(arms[k], turn[nodes[i, k]], points[i], rest[nodes[i, k]])
+        for m in range(influences):
+            col, w = 6 * nodes[i, m], weights[i, m]
+            y0, y1, y2 = arms[m]
+            for r in range(3):  # M L_m
+                u0, u1, u2 = w * metric[i, r, 0], w * metric[i, r, 1], w * metric[i, r, 2]
+                pulled[r, 0], pulled[r, 1] = y1 * u2 - y2 * u1, y2 * u0 - y0 * u2
+                pulled[r, 2] = y0 * u1 - y1 * u0
+                pulled[r, 3], pulled[r, 4], pulled[r, 5] = u0, u1, u2
+            f0, f1, f2 = w * force[i, 0], w * force[i, 1], w * force[i, 2]
+            right[col] += y1 * f2 - y2 * f1
+            right[col + 1] += y2 * f0 - y0 * f2
+            right[col + 2] += y0 * f1 - y1 * f0
+            right[col + 3] += f0
+            right[col + 4] += f1
+            right[col + 5] += f2
+            for k in range(influences):
+                row, v = 6 * nodes[i, k], weights[i, k]
                 if row < col:
                     continue
-                for p in range(6):
-                    for q in range(6):
-                        total = 0.0
-                        for r in range(3):
-                            total += lever[k, r, p] * pulled[m, r, q]
-                        system[row + p, col + q] += total
+                z0, z1, z2 = v * arms[k, 0], v * arms[k, 1], v * arms[k, 2]
+                for q in range(6):
+                    p0, p1, p2 = pulled[0, q], pulled[1, q], pulled[2, q]
+                    system[row, col + q] += z1 * p2 - z2 * p1
+                    system[row + 1, col + q] += z2 * p0 - z0 * p2
+                    system[row + 2, col + q] += z0 * p1 - z1 * p0
+                    system[row + 3, col + q] += v * p0
+                    system[row + 4, col + q] += v * p1
+                    system[row + 5, col + q] += v * p2
 
 
 @compiled(fastmath={"contract"})

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from medial.cloud import Cloud
 from medial.matching_deform import Attachment, Float, Int, NodeGraph, NormalEquations, Pose, moved, shares
-from medial.matching_kernels import local_motions
+from medial.matching_kernels import local_motions, meeting, nearest_of_few
 
 NORMAL_LENGTH = 0.06
 """How far apart opposite unit normals count as, per unit of difference of normals, in sqrt(area)."""
@@ -34,6 +34,8 @@ STRAIN_COST, HELD_WORTH = 250.0, 0.75
 score of a fit. Fitted to some 900 fits of 52 hard pairs."""
 SMALLEST_SCALE = 0.01
 """Residuals below this, in sqrt(area), are never outliers of a node's motion."""
+FEW = 1000
+"""Places up to this number are compared one by one; in more of them, a tree finds the nearest."""
 BELIEVED = 0.1
 """Error of a map, in sqrt(area), at which it loses much of its pull."""
 
@@ -175,14 +177,13 @@ class Registration:
             self.graph.reach,
             SMALLEST_SCALE,
         )
-        pose, even = Pose(rotations, positions), 1 / len(self.points)
+        pose, even, rows = Pose(rotations, positions), 1 / len(self.points), np.arange(len(self.points))
         for _ in range(schedule.follow):
             offset = self.moved(pose)[0] - goal
-            weight = even * _robust(np.linalg.norm(offset, axis=1), BELIEVED)
-            equations = NormalEquations(self.graph, pose)
-            equations.pull(self.points, self.attachment, offset, goal_normals, weight, 0 * weight)
-            equations.stiffen(0.2 * schedule.stiffness[0])
-            pose = equations.step()
+            weight = even * _robust(np.einsum("nd,nd->n", offset, offset), BELIEVED)
+            equations = NormalEquations(self.graph, pose, self.points, self.attachment)
+            equations.pull(rows, offset, goal_normals, weight, 0 * weight)
+            pose = equations.step(0.2 * schedule.stiffness[0])
         return pose
 
     def settle(self, pose: Pose, schedule: Schedule, first: int = 0, last: int | None = None) -> Fit:
@@ -195,31 +196,25 @@ class Registration:
         first, last
             Rounds of the schedule to run; all by default.
         """
+        everything = np.arange(len(self.points))
         for k in range(first, schedule.rounds if last is None else last):
             done = k / max(schedule.rounds - 1, 1)
             stiffness, reach = (a * (b / a) ** done for a, b in (schedule.stiffness, schedule.reach))
-            here, normals = self.moved(pose)
-            equations = NormalEquations(self.graph, pose)
-            near = self._nearest(features(here, normals))
-            goal, goal_normals = self.target_points[near], self.target_normals[near]
-            weight = _cosine(normals, goal_normals) ** 2
-            weight *= _robust(np.linalg.norm(here - goal, axis=1), reach)
-            self._pull(equations, np.arange(len(here)), here - goal, goal_normals, weight)
-            back = cKDTree(features(here, normals)).query(self._back_features)[1]
-            offset = here[back] - self._back_points
-            weight = BACKWARD * _cosine(normals[back], self._back_normals) ** 2
-            weight *= _robust(np.linalg.norm(offset, axis=1), reach)
-            self._pull(equations, back, offset, self._back_normals, weight)
-            equations.stiffen(stiffness)
-            pose = equations.step()
+            here, normals, near, back = self._meet(pose)
+            equations = NormalEquations(self.graph, pose, self.points, self.attachment)
+            for rows, goals, goal_normals, worth in (
+                (everything, self.target_points[near], self.target_normals[near], 1.0),
+                (back, self._back_points, self._back_normals, BACKWARD),
+            ):
+                square, cosine = meeting(here[rows], normals[rows], goals, goal_normals)
+                weight = worth / len(rows) * cosine**2 * _robust(square, reach)
+                equations.pull(rows, here[rows] - goals, goal_normals, EVEN * weight, weight)
+            pose = equations.step(stiffness)
         return self.judge(pose)
 
     def judge(self, pose: Pose) -> Fit:
         """How well both surfaces find each other in a pose."""
-        here, normals = self.moved(pose)
-        joined = features(here, normals)
-        near = self._nearest(joined)
-        back = cKDTree(joined).query(self._back_features)[1]
+        here, normals, near, back = self._meet(pose)
         return Fit(
             pose,
             here,
@@ -230,9 +225,15 @@ class Registration:
             float(self.graph.held(pose).mean()),
         )
 
-    def _nearest(self, joined: Float) -> Int:
-        """The target point nearest to each of some points, given by their `features`."""
-        return self._among[self._tree.query(joined)[1]]
+    def _meet(self, pose: Pose) -> tuple[Float, Float, Int, Int]:
+        """Points and normals in a pose, their nearest target points, and whom the target points find."""
+        here, normals = self.moved(pose)
+        joined = features(here, normals)
+        if len(joined) <= FEW:
+            back = nearest_of_few(joined, self._back_features)
+        else:
+            back = cKDTree(joined).query(self._back_features)[1]
+        return here, normals, self._among[self._tree.query(joined)[1]], back
 
     def moved(self, pose: Pose) -> tuple[Float, Float]:
         """Points and normals that take part, in a pose."""
@@ -248,18 +249,11 @@ class Registration:
         start = np.searchsorted(node, np.arange(len(wide) + 1))
         return start.astype(np.int64), point.astype(np.int64), wide[node, point]
 
-    def _pull(
-        self, equations: NormalEquations, rows: Int, offset: Float, normals: Float, weight: Float
-    ) -> None:
-        """Pull some source points to goals, mostly along the goals' normals."""
-        weight = weight / len(rows)
-        equations.pull(self.points[rows], self.attachment.rows(rows), offset, normals, EVEN * weight, weight)
-
 
 def found(points: Float, normals: Float, goals: Float, goal_normals: Float) -> Float:
     """How well points meet their goals, in [0, 1]: near, with like normals."""
-    square = ((points - goals) ** 2).sum(axis=1)
-    return _cosine(normals, goal_normals) ** 2 / (1 + square / SEEN_WITHIN**2)
+    square, cosine = meeting(points, normals, goals, goal_normals)
+    return np.asarray(cosine**2 / (1 + square / SEEN_WITHIN**2))
 
 
 def features(points: Float, normals: Float) -> Float:
@@ -267,10 +261,6 @@ def features(points: Float, normals: Float) -> Float:
     return np.hstack([points, NORMAL_LENGTH * normals])
 
 
-def _cosine(a: Float, b: Float) -> Float:
-    return np.clip((a * b).sum(axis=1), 0, 1)
-
-
-def _robust(residual: Float, scale: float) -> Float:
-    """Geman-McClure weight (1 + (r / s)^2)^-2."""
-    return 1 / (1 + (residual / scale) ** 2) ** 2
+def _robust(square: Float, scale: float) -> Float:
+    """Geman-McClure weight (1 + (r / s)^2)^-2 of squared residuals."""
+    return 1 / (1 + square / scale**2) ** 2

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from medial import matching_kernels as kernels
@@ -122,15 +123,59 @@ def pulled(seed=1):
     return points, graph, attachment, pose, goal, normals, even, along
 
 
+def normal_equations(points, graph, attachment, pose, offset, normals, even, along):
+    metric, force = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
+    kernels.add_pulls(metric, force, np.arange(len(points)), offset, normals, even, along)
+    system, right = np.zeros((6 * len(graph), 6 * len(graph))), np.zeros(6 * len(graph))
+    nodes, weights, turn = attachment.nodes, attachment.weights, pose.rotations
+    kernels.add_points(system, right, points, nodes, weights, graph.rest, turn, metric, force)
+    return system, right
+
+
+def test_pulls_on_one_point_add_up():
+    random = np.random.default_rng(0)
+    rows = np.array([2, 0, 2, 2])
+    offset, normals = random.standard_normal((2, 4, 3))
+    even, along = random.uniform(0, 1, (2, 4))
+    metric, force = np.zeros((3, 3, 3)), np.zeros((3, 3))
+    kernels.add_pulls(metric, force, rows, offset, normals, even, along)
+    for j in range(3):
+        terms = [e * np.eye(3) + a * np.outer(n, n) for e, a, n in zip(even, along, normals, strict=True)]
+        mine = np.flatnonzero(rows == j)
+        assert np.allclose(metric[j], sum((terms[i] for i in mine), np.zeros((3, 3))))
+        assert np.allclose(force[j], sum((terms[i] @ offset[i] for i in mine), np.zeros(3)))
+
+
+@pytest.mark.parametrize(("places", "goals"), [(1, 5), (300, 200), (7, 1)])
+def test_nearest_of_few_is_that_of_a_tree(places, goals):
+    random = np.random.default_rng(places)
+    x, y = random.standard_normal((places, 6)), random.standard_normal((goals, 6))
+    assert np.array_equal(kernels.nearest_of_few(x, y), cKDTree(x).query(y)[1])
+
+
+def test_of_equally_near_places_the_first_is_taken():
+    place = np.ones((1, 6))
+    assert np.array_equal(kernels.nearest_of_few(np.tile(place, (4, 1)), 2 * place), [0])
+
+
+def test_meeting():
+    random = np.random.default_rng(0)
+    points, goals, normals, goal_normals = random.standard_normal((4, 50, 3))
+    goal_normals[0] = 3 * normals[0]
+    square, cosine = kernels.meeting(points, normals, goals, goal_normals)
+    assert np.allclose(square, np.linalg.norm(points - goals, axis=1) ** 2)
+    expected = np.clip((normals * goal_normals).sum(axis=1), 0, 1)
+    assert (expected == 0).any()
+    assert (expected == 1).any()
+    assert np.allclose(cosine, expected)
+
+
 def test_normal_equations_of_the_pull():
     """With residuals r, J = dr / d(motion) and weights W: the system is J'WJ, the right-hand side J'Wr."""
     points, graph, attachment, pose, goal, normals, even, along = pulled()
     size = 6 * len(graph)
     offset = slow_moved(points, attachment, graph, pose) - goal
-    system, right = np.zeros((size, size)), np.zeros(size)
-    rest, nodes, weights = graph.rest, attachment.nodes, attachment.weights
-    arguments = (points, nodes, weights, rest, pose.rotations, offset, normals, even, along)
-    kernels.add_points(system, right, *arguments)
+    system, right = normal_equations(points, graph, attachment, pose, offset, normals, even, along)
     place = derivative(lambda c: slow_moved(points, attachment, graph, stepped(pose, c)), size)
     metric = even[:, None, None] * np.eye(3) + along[:, None, None] * normals[:, :, None] * normals[:, None]
     assert np.allclose(full(system), np.einsum("nap,nab,nbq->pq", place, metric, place), atol=1e-7)
@@ -145,11 +190,8 @@ def test_right_hand_side_is_half_the_gradient_of_the_pull():
         return (even * (gap**2).sum(axis=1) + along * (normals * gap).sum(axis=1) ** 2).sum()
 
     size = 6 * len(graph)
-    right = np.zeros(size)
     offset = slow_moved(points, attachment, graph, pose) - goal
-    rest, nodes, weights = graph.rest, attachment.nodes, attachment.weights
-    arguments = (points, nodes, weights, rest, pose.rotations, offset, normals, even, along)
-    kernels.add_points(np.zeros((size, size)), right, *arguments)
+    right = normal_equations(points, graph, attachment, pose, offset, normals, even, along)[1]
     assert np.abs(right).max() > 1
     assert np.allclose(2 * right, derivative(energy, size), atol=1e-6)
 
@@ -246,10 +288,9 @@ def test_steps_bring_points_to_their_goals():
     for _ in range(8):
         offset = moved(points, points, attachment, graph, pose)[0] - goal
         gaps.append(np.linalg.norm(offset, axis=1).mean())
-        equations = NormalEquations(graph, pose)
-        equations.pull(points, attachment, offset, points, none + 1, none)
-        equations.stiffen(1e-3)
-        pose = equations.step()
+        equations = NormalEquations(graph, pose, points, attachment)
+        equations.pull(np.arange(len(points)), offset, points, none + 1, none)
+        pose = equations.step(1e-3)
     assert gaps[-1] < 0.02 * gaps[0]
 
 
