@@ -22,6 +22,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.records import InputError
 from medial import Diffusion
+from medial.diffusion import decay
 
 PAIRS = 10_000
 """|C| of Eq. 18."""
@@ -172,4 +173,4 @@ def kernel_of_pairs(
     times: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """m_t(x, y) of Eq. 13 for pairs of points and several times, (pairs, T)."""
-    return (eigenfunctions[x] * eigenfunctions[y]) @ np.exp(-np.outer(eigenvalues, times))
+    return (eigenfunctions[x] * eigenfunctions[y]) @ decay(eigenvalues, times)

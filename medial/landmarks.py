@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medial.compiled import compiled
-from medial.diffusion import Diffusion
+from medial.diffusion import Diffusion, decay
 from medial.matching_types import MatchConfig
 from medial.nearest import nearest_sum_of_norms, over_blocks, single_blas_thread
 from medial.sampling import (
@@ -22,9 +22,6 @@ Float64 = NDArray[np.float64]
 
 PARTNERS_APART = 0.5
 """Alternatives are apart by this part of the target's root mean square extent in the diffusion map."""
-DECAYED = 1e-20
-"""Modes that have decayed to less than this, relative to the heat trace, count as gone. Far below what single
-precision resolves, and above its subnormal numbers, which make matrix products some twenty times slower."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +34,7 @@ class Side:
     samples : (s,) int64
         Point ids of S_P or S_Q.
     decay : (k, T) float32
-        exp(-lambda_i t) over the heat trace at t; 0 below `DECAYED`.
+        exp(-lambda_i t) over the heat trace at t (`medial.diffusion.decay`).
     psi : (n, k) float32
         Eigenfunctions in units in which the cloud's total area is 1.
     signature : (s, T) float32
@@ -92,10 +89,9 @@ def prepare(diffusion: Diffusion, times: NDArray[np.float64], samples: NDArray[n
     """Tabulate the heat traces of a cloud and the signatures of its samples."""
     scale = np.sqrt(diffusion.areas.sum())
     psi = (diffusion.eigenfunctions * scale).astype(np.float32)
-    exact = np.exp(-np.outer(diffusion.eigenvalues, times)) / diffusion.heat_trace(times)
-    decay = np.where(exact < DECAYED, 0, exact).astype(np.float32)
+    left = (decay(diffusion.eigenvalues, times) / diffusion.heat_trace(times)).astype(np.float32)
     with single_blas_thread():
-        return Side(diffusion, samples, decay, psi, psi[samples] ** 2 @ decay)
+        return Side(diffusion, samples, left, psi, psi[samples] ** 2 @ left)
 
 
 def landmark_order(side: Side, times: NDArray[np.float64], start: int, count: int) -> NDArray[np.int64]:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
 from medial.compiled import compiled
-from medial.diffusion import Diffusion
+from medial.diffusion import Diffusion, decay
 from medial.nearest import nearest
 
 Float32 = NDArray[np.float32]
@@ -49,7 +49,7 @@ def diffusion_map(diffusion: Diffusion, time: float, rows: Int | slice = slice(N
     (rows, k) float64
         Constant modes are kept: with several components they tell the components apart.
     """
-    return diffusion.eigenfunctions[rows] * np.exp(-diffusion.eigenvalues * time)
+    return diffusion.eigenfunctions[rows] * decay(diffusion.eigenvalues, time)
 
 
 def smallest_time(diffusion: Diffusion) -> float:

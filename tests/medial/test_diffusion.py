@@ -5,6 +5,7 @@ import pytest
 
 from datasets_gen.records import InputError
 from medial import Diffusion
+from medial.diffusion import GONE, decay
 from medial.operators import OPERATORS, Operator
 from tests.medial import clouds
 
@@ -70,6 +71,16 @@ def test_kernel_is_a_semigroup_that_keeps_heat(diffusion):
     assert np.abs((once * diffusion.areas) @ once - twice).max() < 1e-9 * np.abs(twice).max()
     assert once @ diffusion.areas == pytest.approx(np.ones(800), rel=1e-5)
     assert np.abs(once - once.T).max() < 1e-12 * np.abs(once).max()
+
+
+def test_decay_is_exponential_until_a_mode_is_gone():
+    eigenvalues, times = np.linspace(0, 1000, 400), np.geomspace(1e-3, 1, 9)
+    exact = np.exp(-np.outer(eigenvalues, times))
+    found = decay(eigenvalues, times)
+    assert (found[exact >= GONE] == exact[exact >= GONE]).all()
+    assert (found[exact < GONE] == 0).all()
+    assert ((exact > 0) & (exact < np.finfo(np.float32).tiny)).any()
+    assert (decay(eigenvalues, times[3]) == found[:, 3]).all()
 
 
 def test_signature_and_heat_trace(diffusion):
