@@ -17,9 +17,14 @@ METHODS = {
 
 
 def order_methods(methods: Iterable[str]) -> list[str]:
-    """Labels in the order of `METHODS`, the unknown ones last; the shorter first, then by the alphabet."""
-    known = [*METHODS, ""]
-    return sorted(set(methods), key=lambda label: (known.index(known_method(label)), len(label), label))
+    """Labels in the order of `METHODS`, the shorter of one method first; unknown ones last, by alphabet."""
+    known = list(METHODS)
+
+    def rank(label: str) -> tuple[int, int, str]:
+        name = known_method(label)
+        return (known.index(name), len(label), label) if name else (len(known), 0, label)
+
+    return sorted(set(methods), key=rank)
 
 
 def known_method(label: str) -> str:

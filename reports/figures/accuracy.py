@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.style import legend_below, method_colors, new_figure, styled
+from reports.figures.style import legend_below, method_lines, new_figure, styled
 from reports.methods import order_methods
 
 
@@ -26,11 +26,11 @@ def pck(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: NDArray[
     rows = -(-len(curves) // columns)
     figure, grid = new_figure(rows, columns, 2.45 * columns + 0.6, 2.2 * rows + 0.5, sharex=True, sharey=True)
     methods = order_methods(name for group in curves.values() for name in group)
-    colors = method_colors(methods)
+    styles = method_lines(methods)
     for axes, (group, lines) in zip(grid.flat, curves.items(), strict=False):
         for name in methods:
             if name in lines:
-                axes.plot(radii, 100 * lines[name], color=colors[name], label=name)
+                axes.plot(radii, 100 * lines[name], **styles[name], label=name)
         axes.set_title(group)
         axes.set_ylim(0, 100)
         axes.set_xlim(0, radii[-1])
@@ -58,7 +58,7 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
     """
     datasets = list(dict.fromkeys(table["dataset"]))
     methods = order_methods(table["method"])
-    colors = method_colors(methods)
+    styles = method_lines(methods)
     columns = min(3, len(datasets))
     rows = -(-len(datasets) // columns)
     figure, grid = new_figure(rows, columns, 3.3 * columns + 0.6, 2.5 * rows + 0.6, sharey=True, sharex=True)
@@ -69,8 +69,8 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
             part = table[(table["dataset"] == dataset) & (table["method"] == name)]
             missing = 50 * (part["source_missing"] + part["target_missing"]).to_numpy()
             error = part["geodesic_mean"].to_numpy()
-            axes.plot(missing, error, ".", color=colors[name], alpha=0.7, markersize=8, mew=0)
-            axes.plot(*_medians(missing, error), color=colors[name], label=name)
+            axes.plot(missing, error, ".", color=styles[name]["color"], alpha=0.7, markersize=8, mew=0)
+            axes.plot(*_medians(missing, error), **styles[name], label=name)
         axes.set_title(dataset)
         axes.set_xlabel("missing surface, mean of both scans, %")
     grid[0][0].set_ylim(bottom=0)

@@ -2,6 +2,7 @@
 
 import itertools
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -27,6 +28,9 @@ ABSENT = "#d9dcdf"
 
 _SPARE = ["#882255", "#44aa99", "#ddcc77", "#332288", "#999933", "#aa4499", "#117733", "#661100"]
 _MARKERS = "osD^vP<>X*"
+_DASHES = ["-", "--", ":", "-."]
+USUAL_ROWS, ENTRY_HEIGHT = 3, 0.17
+"""Rows of a legend for which figures have room, and the height of a further one, inches."""
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
@@ -116,6 +120,17 @@ def method_colors(methods: Iterable[str]) -> dict[str, str]:
     return colors
 
 
+def method_lines(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Colour and dashes of each label's line: those of one colour differ in their dashes."""
+    colors = method_colors(methods)
+    used: Counter[str] = Counter()
+    lines: dict[str, dict[str, Any]] = {}
+    for label, color in colors.items():
+        lines[label] = {"color": color, "linestyle": _DASHES[used[color] % len(_DASHES)]}
+        used[color] += 1
+    return lines
+
+
 def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Line colour and marker of each of several ordered series, such as poses."""
     colors = [*METHODS.values(), *_SPARE]
@@ -126,9 +141,11 @@ def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], title: str = "") -> None:
-    """A legend under all panels, in as many columns as fit the width."""
+    """A legend under all panels, in as many columns as fit the width; a long one makes the figure higher."""
     inches = 0.065 * max(map(len, labels), default=0) + 0.55  # of an entry: letters, line, gap
     columns = min(max(int(figure.get_figwidth() / inches), 1), len(labels) or 1)
+    rows = -(-len(labels) // columns)
+    figure.set_figheight(figure.get_figheight() + ENTRY_HEIGHT * max(rows - USUAL_ROWS, 0))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, title=title or None)
 
 

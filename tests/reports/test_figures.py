@@ -8,7 +8,7 @@ from reports.figures.maps import dense_map
 from reports.figures.pairs import Cloud, Pair, Panel, correspondence
 from reports.figures.scans import ScanView, scans
 from reports.figures.stability import stability
-from reports.figures.style import method_colors, save
+from reports.figures.style import method_colors, method_lines, save
 from reports.methods import METHODS, order_methods
 from reports.tables import plain
 
@@ -74,7 +74,26 @@ def test_every_label_has_its_own_colour_and_known_methods_keep_theirs():
     assert colors["medial"] == METHODS["medial"]
     assert colors["heat kernel"] == METHODS["heat"]
     assert method_colors(["heat kernel"])["heat kernel"] == METHODS["heat"]
-    assert order_methods(labels) == ["medial", "medial (paper)", "heat kernel", "robust", "zzz", "mine"]
+    assert order_methods(labels) == ["medial", "medial (paper)", "heat kernel", "robust", "mine", "zzz"]
+
+
+def test_lines_of_one_colour_differ_in_their_dashes():
+    labels = [f"{number} step" for number in range(20)]
+    styles = method_lines(labels)
+    assert list(styles) == sorted(labels)
+    assert len({(style["color"], style["linestyle"]) for style in styles.values()}) == len(labels)
+    assert len({style["color"] for style in styles.values()}) < len(labels)
+
+
+def test_a_long_legend_leaves_the_panels_their_height():
+    radii = np.linspace(0, 25, 6)
+
+    def panel_height(methods):
+        figure = pck({"a": {f"{k} a method with a long label": radii / 25 for k in range(methods)}}, radii)
+        figure.draw_without_rendering()
+        return figure.axes[0].get_position().height * figure.get_figheight()
+
+    assert panel_height(20) > 0.9 * panel_height(3)
 
 
 @pytest.mark.parametrize("methods", [1, 2, 7])
