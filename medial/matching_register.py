@@ -229,11 +229,8 @@ class Registration:
         """Points and normals in a pose, their nearest target points, and whom the target points find."""
         here, normals = self.moved(pose)
         joined = features(here, normals)
-        if len(joined) <= FEW:
-            back = nearest_of_few(joined, self._back_features)
-        else:
-            back = cKDTree(joined).query(self._back_features)[1]
-        return here, normals, self._among[self._tree.query(joined)[1]], back
+        near = self._among[self._tree.query(joined)[1]]
+        return here, normals, near, nearest_places(joined, self._back_features)
 
     def moved(self, pose: Pose) -> tuple[Float, Float]:
         """Points and normals that take part, in a pose."""
@@ -259,6 +256,13 @@ def found(points: Float, normals: Float, goals: Float, goal_normals: Float) -> F
 def features(points: Float, normals: Float) -> Float:
     """Points (n, 3) and unit normals as one vector (n, 6), whose distances are lengths."""
     return np.hstack([points, NORMAL_LENGTH * normals])
+
+
+def nearest_places(places: Float, goals: Float) -> Int:
+    """Index of the place nearest to each goal, (g,), where places (p, 6) are looked among but once."""
+    if len(places) <= FEW:
+        return np.asarray(nearest_of_few(places, goals))
+    return np.asarray(cKDTree(places).query(goals)[1])
 
 
 def _robust(square: Float, scale: float) -> Float:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from medial.candidates import LandmarkSet
 from medial.cloud import Cloud, Int
@@ -25,7 +24,7 @@ from medial.matching_pool import (
     path_sets,
 )
 from medial.matching_recombine import Exchange, distinct, recombine
-from medial.matching_register import Fit, Registration, Schedule, features
+from medial.matching_register import Fit, Registration, Schedule, features, nearest_places
 from medial.matching_rigid import rigid_poses
 from medial.matching_types import MatchConfig
 from medial.paths import MedialPaths, path_distortion
@@ -240,8 +239,8 @@ class Way:
     def reaching(self, fit: Fit) -> Int:
         """The source sample that comes nearest to each sample of the target, as source point ids."""
         samples, cloud = self.target.side.samples, self.target.cloud
-        tree = cKDTree(features(*self._quick.moved(fit.pose)))
-        near = tree.query(features(cloud.points[samples], cloud.normals[samples]))[1]
+        deformed = features(*self._quick.moved(fit.pose))
+        near = nearest_places(deformed, features(cloud.points[samples], cloud.normals[samples]))
         return self.source.side.samples[near]
 
     def changed(self, fit: Fit, reaching: Int) -> float:
