@@ -23,7 +23,7 @@ $(CORE): pyproject.toml
 	@echo "Installing medialbench into $(VENV) (about 1 GB, a minute or two) ..."
 	@$(BIN)/python -m pip install -q --disable-pip-version-check -e .
 	@echo "Compiling the numerical kernels (once, about a minute) ..."
-	@$(BIN)/python -m medial.warm
+	@$(BIN)/python -m medial.precompile
 	@touch $@
 
 $(DEV): $(CORE)

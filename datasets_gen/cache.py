@@ -34,7 +34,7 @@ def cache_folder() -> Path:
 def code_fingerprint() -> str:
     """Hash of this package's source and of the versions of the libraries that it computes with."""
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     for library in LIBRARIES:
         digest.update(f"{library} {version(library)}\n".encode())

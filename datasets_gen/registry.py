@@ -10,10 +10,10 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-from datasets_gen import human, quadruped
-from datasets_gen.bodies import BodyPlan, build
+from datasets_gen.bodies import human, quadruped
+from datasets_gen.bodies.body_plan import BodyPlan, build
 from datasets_gen.cache import cache_path, fetch, store
-from datasets_gen.folder import load_folder, pose_list
+from datasets_gen.collections.folder import load_folder, pose_list
 from datasets_gen.records import InputError
 from datasets_gen.shape import Collection
 

@@ -1,11 +1,11 @@
 """Methods, protocols, metrics and sweeps."""
 
-from evaluation.experiment import Experiment, presets
-from evaluation.merging import merge_results
-from evaluation.metrics import correspondence_error
-from evaluation.runs import preview, run
-from evaluation.stability import diffusion_error
-from evaluation.store import ResultsStore
+from evaluation.experiment.experiment import Experiment, presets
+from evaluation.metrics.correspondence import correspondence_error
+from evaluation.metrics.diffusion_error import diffusion_error
+from evaluation.results.merging import merge_results
+from evaluation.results.store import ResultsStore
+from evaluation.running.run import preview, run
 
 __all__ = [
     "Experiment",

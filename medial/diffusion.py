@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import load_record, save_record
-from medial.operators import Basis, Operator, build
+from medial.operator import Basis, Operator, build
 
 GONE = 1e-25
 """Modes that have decayed to less than this count as gone: no sum feels them beside the first, which stays 1.
@@ -94,7 +94,7 @@ class Diffusion:
         start
             A similar operator on the same points (another eta, say): its modes start the search for these.
         **settings
-            Further fields of `medial.operators.Operator`: sigma_e, sigma_t, cutoff, ...
+            Further fields of `medial.operator.Operator`: sigma_e, sigma_t, cutoff, ...
 
         Raises
         ------

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from medial.compiled import compiled
+from datasets_gen.compiled import compiled
 
 
 def symmetric(

@@ -11,14 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from medial.cloud import common_units
-from medial.confidence import SAME_PLACE
 from medial.diffusion import Diffusion
-from medial.matching import Pair
-from medial.matching_types import MatchConfig, Matching
-from medial.matching_way import STAYING, staying
-from medial.nearest import single_blas_thread
-from medial.paths import MedialPaths, path_distortion
+from medial.matching.common_units import common_units
+from medial.matching.confidence import SAME_PLACE
+from medial.matching.config import MatchConfig, Matching
+from medial.matching.landmarks.medial_paths import MedialPaths, path_distortion
+from medial.matching.match import Pair
+from medial.matching.nearest import single_blas_thread
+from medial.matching.registration.direction import STAYING, staying
 
 REFLECTION = np.array([-1.0, 1.0, 1.0])
 KEPT_PATHS = 0.05

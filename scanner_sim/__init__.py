@@ -1,13 +1,13 @@
 """Laser-triangulation scanner of [BLN*11], simulated with Mitsuba 3."""
 
 from scanner_sim.config import ScannerConfig
-from scanner_sim.export import write_range_images
 from scanner_sim.ideal import coverage, sample
-from scanner_sim.materials import MATERIALS
-from scanner_sim.preview import preview
+from scanner_sim.output.export import write_range_images
+from scanner_sim.output.preview import preview
 from scanner_sim.scan import Scan
 from scanner_sim.scanner import estimated_normals, scan
-from scanner_sim.variant import variant_report
+from scanner_sim.tracing.materials import MATERIALS
+from scanner_sim.tracing.variant import variant_report
 
 __all__ = [
     "MATERIALS",

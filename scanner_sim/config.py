@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from datasets_gen.records import InputError
-from scanner_sim.viewpoints import check_views
+from scanner_sim.optics.viewpoints import check_views
 
 Views = int | str | tuple[tuple[float, float, float], ...]
 

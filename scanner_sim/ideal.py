@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 from scanner_sim.config import ScannerConfig
-from scanner_sim.geometry import corner_normals, shading_normals
 from scanner_sim.scan import Scan
-from scanner_sim.thinning import farthest_points
+from scanner_sim.tracing.rig_frame import corner_normals, shading_normals
 
 OVERSAMPLING = 5
 """Uniform samples drawn per point kept."""

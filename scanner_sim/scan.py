@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError, load_record, save_record
 from scanner_sim.config import ScannerConfig
-from scanner_sim.thinning import farthest_points
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class Scan:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything as ``.npz``, or the points with their attributes as ``.ply``."""
         if Path(path).suffix.lower() == ".ply":
-            from scanner_sim.export import write_ply
+            from scanner_sim.output.export import write_ply
 
             write_ply(self, path)
             return

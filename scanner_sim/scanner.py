@@ -8,15 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.checks import edge_face_counts, signed_volume
+from datasets_gen.points import normals
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
-from scanner_sim import bruteforce, normals, registration, variant, viewpoints
+from scanner_sim import view_alignment as registration
 from scanner_sim.config import ScannerConfig
-from scanner_sim.geometry import winding_number
-from scanner_sim.materials import Attributes
-from scanner_sim.measure import Measured, Verdict, measure
-from scanner_sim.rays import Hits, Tracer
+from scanner_sim.optics import viewpoints
+from scanner_sim.optics.measurement import Measured, Verdict, measure
 from scanner_sim.scan import Scan
+from scanner_sim.tracing import brute_force as bruteforce
+from scanner_sim.tracing import variant
+from scanner_sim.tracing.materials import Attributes
+from scanner_sim.tracing.rays import Hits, Tracer
+from scanner_sim.tracing.rig_frame import winding_number
 
 _log = logging.getLogger(__name__)
 

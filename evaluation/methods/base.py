@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
-from evaluation.settings import build
+from evaluation.experiment.settings import build
 from medial.diffusion import Diffusion
-from medial.matching_types import Matching
+from medial.matching.config import Matching
 from scanner_sim.scan import Scan
 
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError
 from evaluation.methods.base import Cloud
 from evaluation.methods.spectral import Spectral
 from medial import Matching, extrapolate
-from scanner_sim.thinning import farthest_points
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
+from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError
-from scanner_sim.thinning import farthest_points
 
 
 def require(count: int, least: int, method: str) -> None:

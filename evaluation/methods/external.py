@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.fingerprints import digest_files
 from datasets_gen.records import InputError, atomic_path
-from evaluation.identity import digest_files
+from evaluation.experiment.settings import expect
 from evaluation.methods.base import Cloud, Method, dense
-from evaluation.settings import expect
-from evaluation.store import ResultsStore
+from evaluation.results.store import ResultsStore
 from medial import Matching
 
 SUFFIXES = (".npz", ".npy", ".txt", ".csv")

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
+from evaluation.experiment.settings import expect
 from evaluation.methods.base import Cloud, Method, dense
 from evaluation.methods.clouds import far_landmarks, neighbour_graph, require, typical_confidence
-from evaluation.settings import expect
 from medial import Matching
 
 QUANTILES = np.linspace(0.05, 0.95, 19)

@@ -9,10 +9,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from datasets_gen.fingerprints import code_version, digest_files
 from datasets_gen.records import InputError
-from evaluation.identity import code_version, digest_files
+from evaluation.experiment.settings import reject_unknown
 from evaluation.methods.base import Method
-from evaluation.settings import reject_unknown
 
 METHODS: dict[str, str] = {
     "medial": "evaluation.methods.spectral:Medial",

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
+from evaluation.experiment.settings import reject_unknown
 from evaluation.methods.base import Cloud, Method
-from evaluation.settings import reject_unknown
 from medial import MatchConfig, Matching, match
-from medial.operators import OPERATORS
+from medial.operator import OPERATORS
 
 CONFIGS = {"default": MatchConfig, "paper": MatchConfig.paper}
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.figures.style import legend_below, method_lines, new_figure, styled
-from reports.methods import order_methods
+from reports.method_order import order_methods
 
 
 @styled

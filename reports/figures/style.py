@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from datasets_gen.records import atomic_path
-from reports.methods import METHODS, known_method, order_methods
+from reports.method_order import METHODS, known_method, order_methods
 
 P = ParamSpec("P")
 

@@ -10,10 +10,10 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigsh, lobpcg
 
-from medial.laplacian import laplacian
-from medial.operators import Operator, medial_weights
-from medial.spectrum import smallest_modes, symmetric_form
-from medial.surface import surface_areas
+from medial.areas.surface_cells import surface_areas
+from medial.laplacian.weights import laplacian
+from medial.operator import Operator, medial_weights
+from medial.spectrum.modes import smallest_modes, symmetric_form
 from tests.benchmarks.operator_stages import scanned
 
 

@@ -13,12 +13,12 @@ import numpy as np
 from trimesh import Trimesh
 
 from datasets_gen import load
-from medial.area import calibrated, dual_areas, medial_axis
-from medial.laplacian import combine, diffusion_rates, gaussian_weights, laplacian
-from medial.operators import NEAREST
-from medial.similarity import similarity
-from medial.spectrum import smallest_modes
-from medial.surface import REFERENCE_POINTS, density_weights, surface_areas
+from medial.areas.dual_area import calibrated, dual_areas, medial_axis
+from medial.areas.surface_cells import REFERENCE_POINTS, density_weights, surface_areas
+from medial.laplacian.weights import combine, diffusion_rates, gaussian_weights, laplacian
+from medial.operator import NEAREST
+from medial.similarity.similarity import similarity
+from medial.spectrum.modes import smallest_modes
 from tests.benchmarks.measuring import measured
 from tests.benchmarks.plain_similarity import plain_similarity
 from tests.medial.clouds import thinned

@@ -9,8 +9,8 @@ import sys
 import numpy as np
 
 from medial import Diffusion, density_weights, dual_areas, medial_axis, similarity, surface_areas
-from medial.area import calibrated
-from medial.operators import NEAREST
+from medial.areas.dual_area import calibrated
+from medial.operator import NEAREST
 from tests.benchmarks.operator_stages import scanned
 from tests.medial.test_density import compare
 

@@ -7,8 +7,8 @@ the cut-off.
 import numpy as np
 from scipy.sparse import csr_array
 
-from medial.ball import candidate_ball, columns, smallest_width
-from medial.compiled import compiled, ranges, run_tasks
+from datasets_gen.compiled import compiled, ranges, run_tasks
+from medial.similarity.candidate_ball import candidate_ball, columns, smallest_width
 from medial.sparse import symmetric
 
 

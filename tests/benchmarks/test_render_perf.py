@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reports.render import frame, look_from, render_points
-from scanner_sim import variant
+from reports.figures.point_renderer import frame, look_from, render_points
+from scanner_sim.tracing import variant
 
 POINTS, HEIGHT = 5000, 420
 

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import datasets_gen
-from scanner_sim import ScannerConfig, bruteforce, scan, variant
+from scanner_sim import ScannerConfig, scan
 from scanner_sim.scanner import Rig
+from scanner_sim.tracing import brute_force as bruteforce
+from scanner_sim.tracing import variant
 
 CONFIG = ScannerConfig(views=10, resolution=(640, 480), stripes=400, peak_threshold=0.01)
 THRESHOLDS = np.linspace(0.1, 0.9, 9)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.cluster import connect
-from evaluation.progress import Silent
-from evaluation.sweep import execute
-from evaluation.tasks import Report, Task
+from evaluation.running.cluster import connect
+from evaluation.running.progress import Silent
+from evaluation.running.sweep import execute
+from evaluation.running.tasks import Report, Task
 from tests.evaluation.conftest import blobs, method_file, small  # noqa: F401  (fixtures)
 
 

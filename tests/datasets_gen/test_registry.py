@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from datasets_gen import InputError, load, names, provenance, registry
-from datasets_gen.bodies import BodyPlan, Detail
-from datasets_gen.implicit import Body, ellipsoid
-from datasets_gen.skeleton import Skeleton, hinge
+from datasets_gen.bodies.body_plan import BodyPlan, Detail
+from datasets_gen.bodies.implicit_surface import Body, ellipsoid
+from datasets_gen.bodies.skeleton import Skeleton, hinge
 
 
 def egg(seed):

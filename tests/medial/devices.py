@@ -3,7 +3,7 @@
 import pytest
 
 from datasets_gen.records import InputError
-from medial.device import backend
+from medial.device.backend import backend
 
 on_each = pytest.mark.parametrize("device", ["llvm", "cuda"])
 

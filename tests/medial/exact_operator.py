@@ -14,9 +14,9 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from medial import Diffusion, density_weights, medial_axis, surface_areas
-from medial.area import calibrated, dual_areas
-from medial.laplacian import combine, diffusion_rates, gaussian_weights, laplacian
-from medial.operators import NEAREST, REFERENCE_POINTS
+from medial.areas.dual_area import calibrated, dual_areas
+from medial.laplacian.weights import combine, diffusion_rates, gaussian_weights, laplacian
+from medial.operator import NEAREST, REFERENCE_POINTS
 from tests.medial import clouds, slow_medial
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from medial import Diffusion
-from medial.cloud import common_units
-from medial.matching_deform import NodeGraph, Pose
-from medial.matching_register import Registration
-from medial.neighbourhoods import neighbourhoods
-from medial.sampling import spectral_samples
+from medial.matching.common_units import common_units
+from medial.matching.landmarks.samples import spectral_samples
+from medial.matching.neighbourhoods import neighbourhoods
+from medial.matching.registration.deformation_graph import NodeGraph, Pose
+from medial.matching.registration.registration import Registration
 from tests.medial.clouds import body
 
 RIGHT_ELBOW, LEFT_ELBOW = (0.5, 0.05, 0.39), (-0.45, 0.15, 0.15)

@@ -6,7 +6,7 @@ import pytest
 from datasets_gen.records import InputError
 from medial import Diffusion
 from medial.diffusion import GONE, decay
-from medial.operators import OPERATORS, Operator
+from medial.operator import OPERATORS, Operator
 from tests.medial import clouds
 
 SPHERE = np.concatenate([np.full(2 * degree + 1, degree * (degree + 1.0)) for degree in range(4)])

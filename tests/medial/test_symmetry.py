@@ -3,9 +3,9 @@ import pytest
 
 import datasets_gen
 from medial import Diffusion, intrinsic_symmetry
-from medial.cloud import common_units
-from medial.matching_way import staying
-from medial.paths import MedialPaths
+from medial.matching.common_units import common_units
+from medial.matching.landmarks.medial_paths import MedialPaths
+from medial.matching.registration.direction import staying
 from medial.symmetry import mirror_image
 from scanner_sim import sample
 from tests.medial.clouds import sphere

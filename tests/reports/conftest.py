@@ -9,12 +9,12 @@ import pytest
 import trimesh
 
 from datasets_gen import Collection, Shape
-from evaluation.collection_file import save_collection
 from evaluation.methods import dense
-from evaluation.metrics import CURVE, pck_curve
-from evaluation.store import FORMAT, ResultsStore, write_json
-from evaluation.table import COLUMNS
-from evaluation.tasks import Task
+from evaluation.metrics.correspondence import CURVE, pck_curve
+from evaluation.results.collection_file import save_collection
+from evaluation.results.store import FORMAT, ResultsStore, write_json
+from evaluation.results.table import COLUMNS
+from evaluation.running.tasks import Task
 from medial import Diffusion
 from scanner_sim import sample
 

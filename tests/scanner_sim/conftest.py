@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from datasets_gen import Shape
-from scanner_sim import variant
+from scanner_sim.tracing import variant
 
 
 def to_shape(mesh, name="test/shape"):

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from scanner_sim import ScannerConfig, scan, viewpoints
-from scanner_sim.camera import camera_rays
-from scanner_sim.rays import REFLECTANCE, Tracer, rounded
+from scanner_sim import ScannerConfig, scan
+from scanner_sim.optics import viewpoints
+from scanner_sim.optics.camera import camera_rays
 from scanner_sim.scanner import Rig
+from scanner_sim.tracing.rays import REFLECTANCE, Tracer, rounded
 
 MARGIN = 0.02
 """Of cosines about the threshold within which quantisation and the stripe's phase decide."""

@@ -1,0 +1,1 @@
+"""Built-in bodies: implicit surface, skeleton, skinning, proportions; one file per family."""

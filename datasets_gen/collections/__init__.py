@@ -1,0 +1,1 @@
+"""Collections from files: one module per source."""

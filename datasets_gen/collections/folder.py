@@ -1,0 +1,235 @@
+"""Collections on disk: a folder with one mesh file per pose, and optionally a manifest."""
+
+import json
+import logging
+import os
+import re
+from collections.abc import Collection as Names
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from datasets_gen.checks import admitted
+from datasets_gen.meshes.files import MESH_SUFFIXES, read_mesh, write_mesh
+from datasets_gen.meshes.mirroring import mirror_map
+from datasets_gen.records import InputError, atomic_path
+from datasets_gen.shape import Collection, Shape
+
+_log = logging.getLogger(__name__)
+
+MANIFEST = "manifest.json"
+FORMAT = "medialbench-collection-1"
+REST_NAMES = (
+    "rest",
+    "bind",
+    "tpose",
+    "t_pose",
+    "t-pose",
+    "apose",
+    "a_pose",
+    "a-pose",
+    "neutral",
+    "reference",
+    "0",
+)
+
+
+def load_folder(
+    folder: str | os.PathLike[str],
+    *,
+    reference: str | None = None,
+    poses: Sequence[str] | None = None,
+    repair: bool = False,
+    units: str | None = None,
+) -> Collection:
+    """Load a folder of meshes with the same connectivity as the poses of one subject.
+
+    Vertex i and face i must be the same surface element in every file: ground truth is the identity on
+    face ids and barycentric coordinates. The left-right map is found from the reference pose
+    (`datasets_gen.meshes.mirroring.mirror_map`).
+
+    Parameters
+    ----------
+    folder
+        Holds ``.ply``, ``.obj`` or ``.off`` files, one per pose, named by their stem. A ``manifest.json``
+        as `write_collection` makes it decides files, subject, reference and units.
+    reference
+        The rest pose. Default: the manifest's, else a file named like a rest pose (``rest``, ``bind``,
+        ``tpose``, ``neutral``, ``reference``, ``0``), else the first by name.
+    poses
+        Poses to load beside the reference, in this order. Default: all.
+    repair
+        Keep only the largest component and drop degenerate faces, in every pose alike.
+    units
+        Length unit. Default: the manifest's, else unknown.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no meshes, a file cannot be used, or the files differ in their faces.
+    """
+    root = Path(folder)
+    if not root.is_dir():
+        raise InputError(f"{str(folder)!r} is not a folder; give a folder with one mesh file per pose")
+    manifest = _read_manifest(root)
+    files = _pose_files(root, manifest)
+    subject = str(manifest.get("subject") or root.resolve().name)
+    rest = _reference_pose(files, reference, manifest, subject)
+    wanted = list(files) if poses is None else pose_list(poses, files, subject)
+    order = [rest, *(pose for pose in wanted if pose != rest)]
+    length = units or str(manifest.get("units", "unknown"))
+    shapes = [
+        replace(read_mesh(files[pose], subject, length), name=f"{subject}/{pose}", pose=pose)
+        for pose in order
+    ]
+    _check_shared(shapes, files)
+    by_pose = dict(zip(order, admitted(shapes, repair), strict=True))
+    return Collection(subject, tuple(by_pose[p] for p in wanted), by_pose[rest], mirror_map(by_pose[rest]))
+
+
+def write_collection(
+    collection: Collection, folder: str | os.PathLike[str], about: dict[str, Any] | None = None
+) -> Path:
+    """Write every pose as ``.ply`` and, last, a manifest that `load_folder` reads back.
+
+    Parameters
+    ----------
+    collection
+    folder
+        Created if missing. Files of the same names are replaced.
+    about
+        Further entries of the manifest, such as licence or seed.
+
+    Returns
+    -------
+    Path
+        The manifest.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written, or holds the poses of something else.
+    """
+    root = Path(folder)
+    shapes = {shape.pose: shape for shape in (collection.reference, *collection.shapes)}
+    strangers = sorted(
+        file.name for file in (root.iterdir() if root.is_dir() else ())
+        if file.suffix.lower() in MESH_SUFFIXES and file.name not in {f"{pose}.ply" for pose in shapes}
+    )  # fmt: skip
+    if strangers:
+        raise InputError(f"{str(folder)!r} already holds {strangers[0]!r}; choose an empty folder")
+    for shape in shapes.values():
+        write_mesh(shape, root / f"{shape.pose}.ply")
+    reference = collection.reference
+    manifest = {
+        "format": FORMAT,
+        "subject": collection.subject,
+        "units": reference.units,
+        "reference": reference.pose,
+        "vertices": len(reference.vertices),
+        "faces": len(reference.faces),
+        "poses": [{"pose": pose, "file": f"{pose}.ply"} for pose in shapes],
+        "made_by": f"medialbench {code_version()}",
+        **(about or {}),
+    }
+    with atomic_path(root / MANIFEST) as temporary:
+        temporary.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+    return root / MANIFEST
+
+
+def pose_list(poses: Sequence[str], known: Names[str], subject: str) -> list[str]:
+    """The poses asked for, once each, in the order asked.
+
+    Raises
+    ------
+    InputError
+        If it is not a list of poses that there are.
+    """
+    if isinstance(poses, str) or not len(poses):
+        raise InputError(f"poses of {subject!r} is {poses!r}; give a list of {list(known)}")
+    for pose in poses:
+        if pose not in known:
+            raise InputError(f"{subject!r} has no pose {pose!r}; it has {list(known)}")
+    return list(dict.fromkeys(poses))
+
+
+def code_version() -> str:
+    """Version of the installed distribution."""
+    try:
+        return version("medialbench")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def _read_manifest(root: Path) -> dict[str, Any]:
+    path = root / MANIFEST
+    if not path.is_file():
+        return {}
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{str(path)!r} is not readable JSON ({error}); correct or remove it") from error
+    if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
+        _log.warning("%s is not a medialbench manifest (format %r); ignored", path, FORMAT)
+        return {}
+    return manifest
+
+
+def _pose_files(root: Path, manifest: dict[str, Any]) -> dict[str, Path]:
+    """Mesh file of each pose, in natural order of the names or in the manifest's order."""
+    if manifest:
+        try:
+            files = {str(entry["pose"]): root / str(entry["file"]) for entry in manifest["poses"]}
+        except (KeyError, TypeError) as error:
+            raise InputError(
+                f"{str(root / MANIFEST)!r} lacks 'poses' of 'pose' and 'file'; write it again"
+            ) from error
+    else:
+        found = [file for file in root.iterdir() if file.suffix.lower() in MESH_SUFFIXES]
+        found.sort(key=lambda file: _natural(file.name))
+        files = {file.stem: file for file in found}
+        if len(files) < len(found):
+            twice = next(f.name for f in found if files[f.stem] != f)
+            raise InputError(f"{str(root)!r} has two files for the pose of {twice!r}; keep one")
+    if not files:
+        raise InputError(f"{str(root)!r} holds no mesh files ({', '.join(MESH_SUFFIXES)})")
+    return files
+
+
+def _natural(name: str) -> list[tuple[int, int, str]]:
+    """Sort key that puts pose2 before pose10."""
+    parts = re.split(r"(\d+)", name.lower())
+    return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts if part]
+
+
+def _reference_pose(files: dict[str, Path], asked: str | None, manifest: dict[str, Any], subject: str) -> str:
+    pose = asked or manifest.get("reference")
+    if pose is not None:
+        if pose not in files:
+            raise InputError(f"{subject!r} has no pose {pose!r} to be the reference; it has {list(files)}")
+        return str(pose)
+    for rest in REST_NAMES:
+        for name in files:
+            if name.lower() == rest or (rest == "0" and name.isdigit() and int(name) == 0):
+                _log.info("%s: reference pose is %r, by its name", subject, name)
+                return name
+    first = next(iter(files))
+    _log.warning("%s: reference pose is %r, the first by name; choose one with reference=", subject, first)
+    return first
+
+
+def _check_shared(shapes: list[Shape], files: dict[str, Path]) -> None:
+    rest = shapes[0]
+    for shape in shapes[1:]:
+        file, first = str(files[shape.pose]), files[rest.pose].name
+        if shape.vertices.shape != rest.vertices.shape or shape.faces.shape != rest.faces.shape:
+            raise InputError(
+                f"{file!r} has {len(shape.vertices)} vertices and {len(shape.faces)} faces, "
+                f"{first!r} has {len(rest.vertices)} and {len(rest.faces)}; poses must share them"
+            )
+        if not np.array_equal(shape.faces, rest.faces):
+            raise InputError(f"{file!r} has other faces than {first!r}; poses must share them")

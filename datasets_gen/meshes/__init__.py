@@ -1,0 +1,1 @@
+"""Triangle meshes: files, remeshing, and the mirror map of a mesh."""

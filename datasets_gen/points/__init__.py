@@ -1,0 +1,1 @@
+"""Bare point clouds: farthest points, normals, neighbours."""

@@ -1,0 +1,1 @@
+"""Experiments: settings from TOML, the plan of tasks."""

@@ -1,0 +1,205 @@
+"""An experiment: which shapes, scanned how, matched by what. Read from TOML; frozen; complete.
+
+Sections of the file (every key is a field below, with its default):
+
+``[[dataset]]`` (`Dataset`), ``[scan]`` (`Condition`: the base from which sweeps deviate), ``[operators]``
+(`Operators`), ``[stability]`` (`Stability`, Eq. 18), ``[matching]`` (`Matching`), ``[[method]]`` (`Method`),
+and ``name``, ``description``, ``seeds``, ``timeout``, ``evaluated`` at the top.
+"""
+
+import itertools
+import os
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from datasets_gen.records import InputError
+from evaluation.experiment.sections import Condition, Dataset, Matching, Method, Operators, Regime, Stability
+from evaluation.experiment.settings import build, expect, reject_unknown
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment:
+    """Everything that decides a sweep's results."""
+
+    name: str
+    description: str = ""
+    dataset: tuple[Dataset, ...]
+    scan: Condition = field(default_factory=Condition)
+    operators: Operators = field(default_factory=Operators)
+    stability: Stability | None = None
+    matching: Matching | None = None
+    method: tuple[Method, ...] = ()
+    seeds: tuple[int, ...] = (0,)
+    timeout: float = 1800.0
+    """Seconds after which a task is stopped and recorded as a failure."""
+    evaluated: int = 2000
+    """Points of each map, drawn once per pair, at which geodesic errors are measured."""
+
+    def __post_init__(self) -> None:
+        """Check what concerns several sections."""
+        expect(len(self.dataset) > 0, "no [[dataset]]: nothing to scan")
+        expect(len(self.seeds) > 0, "seeds is empty: nothing to run")
+        expect(self.timeout > 0, f"timeout must be positive, got {self.timeout!r}")
+        expect(
+            self.stability is not None or self.matching is not None,
+            "neither [stability] nor [matching]: nothing to measure",
+        )
+        expect(
+            self.matching is None or len(self.method) > 0,
+            "[matching] without a [[method]]: nothing to match with",
+        )
+        labels = [method.label for method in self.method]
+        for label in labels:
+            expect(labels.count(label) == 1, f"two methods are called {label!r}; give each its own label")
+        self.stability_conditions()
+        self.regimes()
+
+    def stability_conditions(self) -> tuple[tuple[str, Condition], ...]:
+        """Names and scan conditions of the Eq. 18 part."""
+        if self.stability is None:
+            return ()
+        return tuple(
+            (_named(values), self.scan.with_values(values)) for values in _product(self.stability.sweep)
+        )
+
+    def regimes(self) -> tuple[Regime, ...]:
+        """Regimes of the matching part."""
+        if self.matching is None:
+            return ()
+        if self.matching.regime:
+            named = [
+                ({k: v for k, v in each.items() if k != "name"}, each["name"])
+                for each in self.matching.regime
+            ]
+        else:
+            named = [(values, _named(values)) for values in _product(self.matching.sweep)]
+        return tuple(_regime(self.scan, values, name) for values, name in named)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Every setting, as tables that `from_table` reads back."""
+        return asdict(self)
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], where: str = "experiment") -> "Experiment":
+        """Build from parsed TOML.
+
+        Raises
+        ------
+        InputError
+            If a key is unknown (the nearest valid one is named) or a value cannot be used.
+        """
+        values = dict(table)
+        reject_unknown(values, [f.name for f in fields(cls)], where)
+        values["dataset"] = tuple(
+            build(Dataset, each, f"{where}: [[dataset]]") for each in _list(values, "dataset", where)
+        )
+        values["method"] = tuple(
+            _method(each, f"{where}: [[method]]") for each in _list(values, "method", where)
+        )
+        sections = (
+            ("scan", Condition),
+            ("operators", Operators),
+            ("stability", Stability),
+            ("matching", Matching),
+        )
+        for key, kind in sections:
+            if values.get(key) is not None:
+                values[key] = build(kind, values[key], f"{where}: [{key}]")
+        if "seeds" in values:
+            seeds = values["seeds"]
+            expect(
+                isinstance(seeds, list | tuple) and all(isinstance(s, int) for s in seeds),
+                f"{where}: seeds must be a list of integers, got {seeds!r}",
+            )
+            values["seeds"] = tuple(seeds)
+        return build(cls, values, where)
+
+    @classmethod
+    def load(cls, source: str | os.PathLike[str]) -> "Experiment":
+        """Read a preset by name or a TOML file by path.
+
+        Raises
+        ------
+        InputError
+            If there is no such preset or file, or its contents cannot be used.
+        """
+        path = Path(source)
+        known = presets()
+        if path.suffix != ".toml":
+            reject_unknown([str(source)], known, "experiment", "preset")
+            text, where, folder = known[str(source)], f"preset {str(source)!r}", None
+        else:
+            try:
+                text, where, folder = path.read_text(encoding="utf-8"), repr(str(source)), path.parent
+            except OSError as error:
+                raise InputError(
+                    f"cannot read {str(source)!r}: {error.strerror}; presets: {', '.join(known)}"
+                ) from error
+        try:
+            table = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{where} is not valid TOML: {error}") from error
+        table.setdefault("name", path.stem)
+        return cls.from_table(_beside(table, folder), where)
+
+
+def presets() -> dict[str, str]:
+    """Text of every packaged experiment, by name."""
+    found = [each for each in files("evaluation.protocols").iterdir() if each.name.endswith(".toml")]
+    return {
+        each.name.removesuffix(".toml"): each.read_text(encoding="utf-8") for each in sorted(found, key=str)
+    }
+
+
+def _beside(table: dict[str, Any], folder: Path | None) -> dict[str, Any]:
+    """Relative folders of data sets are meant from the TOML file's folder, if they exist there."""
+    for each in table.get("dataset", []) if folder is not None else []:
+        if isinstance(each, dict) and isinstance(each.get("name"), str) and folder is not None:
+            beside = folder / each["name"]
+            if beside.is_dir():
+                each["name"] = str(beside.resolve())
+    return table
+
+
+def _list(values: Mapping[str, Any], key: str, where: str) -> Iterable[Any]:
+    found = values.get(key, ())
+    expect(isinstance(found, list | tuple), f"{where}: write [[{key}]], with two brackets")
+    return found
+
+
+def _method(table: Any, where: str) -> Method:
+    """A method's table holds its options beside its name; `label` defaults to the name."""
+    expect(
+        isinstance(table, Mapping) and isinstance(table.get("name"), str),
+        f"{where} needs a name, got {table!r}",
+    )
+    options = {key: value for key, value in table.items() if key not in ("name", "label", "options")}
+    return Method(
+        name=table["name"],
+        label=str(table.get("label", table["name"])),
+        options={**table.get("options", {}), **options},
+    )
+
+
+def _product(sweep: Mapping[str, tuple[Any, ...]]) -> list[dict[str, Any]]:
+    return [dict(zip(sweep, values, strict=True)) for values in itertools.product(*sweep.values())]
+
+
+def _named(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{key} {value}" for key, value in values.items()) or "scan"
+
+
+def _regime(base: Condition, values: Mapping[str, Any], name: str) -> Regime:
+    """Values apply to both clouds, or to one with a prefix."""
+    both = {key: value for key, value in values.items() if not key.startswith(("source.", "target."))}
+    sides = {
+        side: base.with_values(
+            both | {key.partition(".")[2]: v for key, v in values.items() if key.startswith(f"{side}.")}
+        )
+        for side in ("source", "target")
+    }
+    return Regime(name=name, **sides)

@@ -1,0 +1,1 @@
+"""Errors of maps and of operators."""

@@ -1,0 +1,1 @@
+"""The results folder: store, table, merging."""

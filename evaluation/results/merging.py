@@ -1,0 +1,141 @@
+"""Results of several machines in one folder."""
+
+import os
+import shutil
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from datasets_gen.records import InputError, atomic_path
+from evaluation.experiment.experiment import Experiment
+from evaluation.experiment.toml import dumps
+from evaluation.results.store import FOLDERS, FORMAT, ResultsStore, write_json
+from evaluation.results.table import COLUMNS
+from evaluation.running.locking import lock
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+IDENTITY = ["kind", "dataset", "subject", "method", "regime", "source_pose", "target_pose", "views", "seed"]
+"""Columns that say what a row is about; two rows that agree in them must be the same result."""
+
+MAY_DIFFER = ("name", "description", "dataset", "method", "seeds", "timeout")
+"""Parts of experiments that may differ between folders: how work is split over machines."""
+
+
+def merge_results(folders: Sequence[str | os.PathLike[str]], out: str | os.PathLike[str]) -> ResultsStore:
+    """Join results folders that share the work of one experiment by data set, method or seed.
+
+    The folder stands by itself: results are linked where the file system can, else copied. The joint
+    experiment is written too, so that `evaluation.run` goes on with what is missing.
+
+    Parameters
+    ----------
+    folders
+        Finished or interrupted runs.
+    out
+        A folder that is empty or does not exist.
+
+    Returns
+    -------
+    ResultsStore
+
+    Raises
+    ------
+    InputError
+        If a folder holds no results, their experiments differ in more than data sets, methods and seeds, they
+        hold different results for the same row, or `out` holds something.
+    """
+    stores = [ResultsStore(folder) for folder in folders]
+    if not stores:
+        raise InputError("nothing to merge; name at least one results folder")
+    experiment = _joint([(store.folder, Experiment.from_table(store.settings)) for store in stores])
+    table = _joint_table(stores)
+    target = Path(out).resolve()
+    if target.is_dir() and any(each.name != ".lock" for each in target.iterdir()):
+        raise InputError(f"{str(out)!r} holds files already; merge into a new folder")
+    with lock(target):
+        for store in stores:
+            _link(store.folder, target)
+        with atomic_path(target / "experiment.toml") as temporary:
+            temporary.write_text(dumps(experiment.as_dict()), encoding="utf-8")
+        _write_tables(stores, table, target)
+        write_json(target / "run.json", _joint_info(stores, experiment, len(table)))
+    return ResultsStore(target)
+
+
+def _joint(experiments: list[tuple[Path, Experiment]]) -> Experiment:
+    """The experiment that covers all: the union of data sets, methods and seeds."""
+    home, first = experiments[0]
+    parts: dict[str, list[Any]] = {key: list(getattr(first, key)) for key in ("dataset", "method", "seeds")}
+    for folder, other in experiments[1:]:
+        mine, theirs = first.as_dict(), other.as_dict()
+        for key in mine:
+            if key not in MAY_DIFFER and mine[key] != theirs[key]:
+                raise InputError(
+                    f"{str(home)!r} and {str(folder)!r} differ in {key!r}; "
+                    "only data sets, methods and seeds may"
+                )
+        for key, found in parts.items():
+            found.extend(each for each in getattr(other, key) if each not in found)
+    changes: dict[str, Any] = {key: tuple(found) for key, found in parts.items()}
+    return replace(first, **changes)
+
+
+def _joint_table(stores: list[ResultsStore]) -> "pd.DataFrame":
+    import pandas as pd
+
+    tables = [store.table() for store in stores]
+    joint = pd.concat(tables, ignore_index=True).drop_duplicates("score_key", ignore_index=True)
+    keys = joint[IDENTITY].astype("string").fillna("")
+    twice = keys.duplicated(keep=False) & ~joint.duplicated([*IDENTITY, "score_key"], keep=False)
+    if twice.any():
+        row = joint[twice].iloc[0]
+        what = f"{row.dataset}, {row.method}, {row.source_pose} to {row.target_pose}, seed {row.seed}"
+        raise InputError(f"the folders hold different results for {what}; they were made by different code")
+    return joint.astype(COLUMNS)
+
+
+def _link(source: Path, target: Path) -> None:
+    """Bring every result of a folder into another."""
+    for name in FOLDERS.values():
+        for path in sorted((source / name).glob("[!.]*")):
+            goal = target / name / path.name
+            if goal.exists():
+                continue
+            with atomic_path(goal) as temporary:
+                temporary.unlink()
+                try:
+                    os.link(path, temporary)
+                except OSError:
+                    shutil.copyfile(path, temporary)
+
+
+def _write_tables(stores: list[ResultsStore], table: "pd.DataFrame", target: Path) -> None:
+    """The joint table, and the failures that no folder made good."""
+    import pandas as pd
+
+    failures = pd.concat([store.failures() for store in stores], ignore_index=True).drop_duplicates("key")
+    made = {path.stem for name in FOLDERS.values() for path in (target / name).glob("*.json")}
+    with atomic_path(target / "failures.csv") as temporary:
+        failures[~failures["key"].isin(made)].to_csv(temporary, index=False)
+    with atomic_path(target / "table.parquet") as temporary:
+        table.to_parquet(temporary)
+    with atomic_path(target / "table.csv") as temporary:
+        table.to_csv(temporary, index=False)
+
+
+def _joint_info(stores: list[ResultsStore], experiment: Experiment, rows: int) -> dict[str, Any]:
+    infos = [store.run_info() for store in stores]
+    datasets: dict[str, str] = {}
+    for info in infos:
+        datasets |= info.get("datasets", {})
+    return {
+        "format": FORMAT,
+        "experiment": experiment.name,
+        "seeds": list(experiment.seeds),
+        "datasets": datasets,
+        "rows": rows,
+        "merged_from": [{"folder": str(s.folder), **i} for s, i in zip(stores, infos, strict=True)],
+    }

@@ -1,0 +1,124 @@
+"""The results table: one row per score, merged from the stored results."""
+
+import logging
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from datasets_gen.records import atomic_path
+from evaluation.experiment.plan import Plan
+from evaluation.results.store import ResultsStore
+from evaluation.running.tasks import Report
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+log = logging.getLogger(__name__)
+
+COLUMNS: dict[str, str] = {
+    "kind": "string",
+    "dataset": "string",
+    "subject": "string",
+    "method": "string",
+    "operator": "string",
+    "source_pose": "string",
+    "source_threshold": "Float64",
+    "target_pose": "string",
+    "target_threshold": "Float64",
+    "regime": "string",
+    "views": "string",
+    "n_points": "Int64",
+    "seed": "Int64",
+    "source_missing": "Float64",
+    "target_missing": "Float64",
+    "eq18": "Float64",
+    "eq18_trace": "Float64",
+    "eq18_relative": "Float64",
+    "geodesic_mean": "Float64",
+    "geodesic_median": "Float64",
+    "geodesic_symmetric_mean": "Float64",
+    "geodesic_overlap": "Float64",
+    "flipped": "boolean",
+    "flip_decision": "string",
+    "pck_auc": "Float64",
+    "pck_01": "Float64",
+    "pck_02": "Float64",
+    "pck_05": "Float64",
+    "pck_10": "Float64",
+    "pck_20": "Float64",
+    "medial_mean": "Float64",
+    "coverage": "Float64",
+    "error_confident": "Float64",
+    "overlap": "Float64",
+    "overlap_iou": "Float64",
+    "distinct": "Float64",
+    "seconds_operator": "Float64",
+    "seconds_match": "Float64",
+    "peak_memory_mb": "Float64",
+    "source_scan": "string",
+    "target_scan": "string",
+    "source_operator": "string",
+    "map_key": "string",
+    "score_key": "string",
+}
+"""Columns and their types. Lengths are in sqrt(area of the reference), times 100; shares are in [0, 1]."""
+
+
+def merge(store: ResultsStore, plan: Plan, failures: Iterable[Report]) -> "pd.DataFrame":
+    """Write ``table.parquet``, ``table.csv`` and ``failures.csv``; rows are in the order of the plan.
+
+    Parameters
+    ----------
+    store
+    plan
+        Rows without a stored score are left out.
+    failures
+    """
+    import pandas as pd
+
+    rows = [found for row in plan.rows if (found := _row(store, plan, row.columns, row.score)) is not None]
+    table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
+    with atomic_path(store.folder / "table.parquet") as temporary:
+        table.to_parquet(temporary)
+    with atomic_path(store.folder / "table.csv") as temporary:
+        table.to_csv(temporary, index=False)
+    lines = [
+        {"key": r.task.key, "stage": r.task.stage, "label": r.task.label, "kind": r.kind, "reason": r.reason}
+        for r in failures
+    ]
+    with atomic_path(store.folder / "failures.csv") as temporary:
+        pd.DataFrame(lines, columns=["key", "stage", "label", "kind", "reason"]).to_csv(
+            temporary, index=False
+        )
+    return table
+
+
+def _row(store: ResultsStore, plan: Plan, columns: Mapping[str, Any], score: str) -> dict[str, Any] | None:
+    """One row: what it is about, what was found, and what it took."""
+    record = store.record("score", score)
+    if record is None:
+        return None
+    return {**columns, **record["info"]["row"], **_cost(store, plan, columns)}
+
+
+def _cost(store: ResultsStore, plan: Plan, columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Seconds and peak memory of the operators and of the map behind a row."""
+    operators = [columns["source_operator"]] if columns.get("source_operator") else []
+    found: dict[str, Any] = {}
+    peaks = []
+    if columns.get("map_key"):
+        task = plan.tasks[columns["map_key"]]
+        operators = [
+            key
+            for role, key in task.inputs.items()
+            if key in plan.tasks and role.startswith(("source_", "target_"))
+        ]
+        operators = [key for key in operators if plan.tasks[key].stage == "operator"]
+        record = store.record("map", task.key)
+        if record is not None:
+            found["seconds_match"] = record["seconds"]
+            peaks.append(record["peak_memory_mb"])
+    records = [r for key in operators if (r := store.record("operator", key)) is not None]
+    if records:
+        found["seconds_operator"] = sum(r["seconds"] for r in records)
+    known = [peak for peak in (*peaks, *(r["peak_memory_mb"] for r in records)) if peak is not None]
+    return found | ({"peak_memory_mb": max(known)} if known else {})

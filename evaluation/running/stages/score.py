@@ -1,0 +1,164 @@
+"""Scores: Eq. 18 of a cloud, or the errors of a map."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from datasets_gen import Collection, Shape
+from evaluation.metrics.correspondence import (
+    CONFIDENT,
+    SurfacePoints,
+    area_under_curve,
+    correspondence_error,
+    intersection_over_union,
+    overlap,
+    pck_curve,
+    symmetric_mean,
+)
+from evaluation.metrics.diffusion_error import diffusion_error
+from evaluation.metrics.geodesic import SurfaceDistance
+from evaluation.metrics.mirror_images import mirror_points
+from evaluation.running.stages.interface import Inputs, Output
+from scanner_sim import Scan
+
+OVERLAP_SPACINGS = 2.0
+"""A source point has a counterpart if a target point lies within this many spacings, sqrt(area / points)."""
+
+
+def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
+    """Score one cloud (``kind`` stability) or one map (``kind`` matching)."""
+    return stability(spec, inputs) if spec["kind"] == "stability" else matching(spec, inputs)
+
+
+def stability(spec: Mapping[str, Any], inputs: Inputs) -> Output:
+    """Eq. 18.
+
+    ``spec``: ``pairs``, ``times``, ``seed``. Inputs: ``shape``, ``scan``, ``operator``,
+    ``reference_operator``.
+    """
+    scan, reference = inputs.load("scan"), inputs.load("shape").reference
+    found = diffusion_error(
+        inputs.load("reference_operator"),
+        inputs.load("operator"),
+        reference.at(scan.face_ids, scan.barycentrics),
+        face_normals(reference)[scan.face_ids],
+        reference.area,
+        pairs=spec["pairs"],
+        times=spec["times"],
+        seed=spec["seed"],
+    )
+    row = {"eq18": found.eq18, "eq18_trace": found.eq18_trace, "eq18_relative": found.eq18_relative}
+    row |= {"n_points": len(scan), "source_missing": inputs.note("scan")["missing"]}
+    return Output(None, {"row": row, "times": found.times.tolist(), "per_time": found.per_time.tolist()})
+
+
+def matching(spec: Mapping[str, Any], inputs: Inputs) -> Output:
+    """Errors of a map.
+
+    ``spec``: ``evaluated`` (points at which to measure), ``seed``. Inputs: ``shape``, ``source_scan``,
+    ``target_scan``, ``map``, ``reference_scan``, ``reference_medial``.
+    """
+    collection: Collection = inputs.load("shape")
+    reference, found = collection.reference, inputs.load("map")
+    source, target = surface(inputs.load("source_scan")), surface(inputs.load("target_scan"))
+    picked = _evaluated(len(source), spec)
+    start, image = source[picked], found.source_to_target[picked]
+    distance = inputs.derive("shape", reference_distance)
+    errors = correspondence_error(distance, start, target, image, reference.area)
+    confident = (found.confidence[picked] >= CONFIDENT) & (image >= 0)
+    curve = pck_curve(errors)
+    there = overlap(start.on(reference), target.on(reference), _radius(reference, len(target)))
+    row = {
+        "geodesic_mean": 100 * _mean(errors),
+        "geodesic_median": 100 * float(np.nanmedian(errors)) if (image >= 0).any() else None,
+        "geodesic_overlap": 100 * _mean(errors[there]),
+        "pck_auc": area_under_curve(curve),
+        **{f"pck_{name}": float(pck_curve(errors, np.array([at]))[0]) for name, at in _LEVELS.items()},
+        "medial_mean": 100 * _medial_error(inputs, reference, start, target, image),
+        "coverage": float(confident.mean()),
+        "error_confident": 100 * _mean(errors[confident]),
+        "overlap_iou": intersection_over_union(confident, there),
+        "overlap": float(there.mean()),
+        "distinct": len(np.unique(found.source_to_target)) / min(len(source), len(target)),
+        "flip_decision": found.flip,
+        "n_points": len(source),
+        "source_missing": inputs.note("source_scan")["missing"],
+        "target_missing": inputs.note("target_scan")["missing"],
+    }
+    row |= _symmetry(collection, distance, start, target, image, row["geodesic_mean"])
+    return Output(None, {"row": {k: _finite(v) for k, v in row.items()}, "curve": curve.tolist()})
+
+
+_LEVELS = {"01": 0.01, "02": 0.02, "05": 0.05, "10": 0.10, "20": 0.20}
+
+
+def surface(scan: Scan) -> SurfacePoints:
+    """Where a scan's points lie on the mesh."""
+    return SurfacePoints(scan.face_ids, scan.barycentrics)
+
+
+def reference_distance(collection: Collection) -> SurfaceDistance:
+    """Distances on the rest pose."""
+    return SurfaceDistance(collection.reference)
+
+
+def face_normals(shape: Shape) -> NDArray[np.float64]:
+    """Unit normals of the faces, (f, 3); zero for degenerate ones."""
+    a, b, c = (shape.vertices[shape.faces[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    return cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), np.finfo(float).tiny)
+
+
+def _evaluated(n: int, spec: Mapping[str, Any]) -> NDArray[np.int64]:
+    """Points at which a map is measured: the same for every method."""
+    count = min(n, spec["evaluated"])
+    return np.sort(np.random.default_rng(spec["seed"]).choice(n, size=count, replace=False))
+
+
+def _radius(reference: Shape, points: int) -> float:
+    return float(OVERLAP_SPACINGS * np.sqrt(reference.area / points))
+
+
+def _medial_error(
+    inputs: Inputs, reference: Shape, start: SurfacePoints, target: SurfacePoints, image: NDArray[np.int64]
+) -> float:
+    """Mean distance, in sqrt(area), of the rest pose's medial centres at the right and the found place."""
+    diffusion = inputs.load("reference_medial")
+    matched = image >= 0
+    tree = cKDTree(diffusion.points)
+    right = tree.query(start[matched].on(reference))[1]
+    got = tree.query(target[image[matched]].on(reference))[1]
+    return _mean(np.linalg.norm(diffusion.centers[right] - diffusion.centers[got], axis=1)) / np.sqrt(
+        reference.area
+    )
+
+
+def _symmetry(
+    collection: Collection,
+    distance: SurfaceDistance,
+    start: SurfacePoints,
+    target: SurfacePoints,
+    image: NDArray[np.int64],
+    direct: float,
+) -> dict[str, Any]:
+    """The symmetry-aware error and whether the map is flipped; unknown without a mirror map."""
+    if collection.mirror is None:
+        return {"geodesic_symmetric_mean": direct, "flipped": None}
+    other = mirror_points(collection.reference, collection.mirror, start)
+    mirrored = 100 * _mean(correspondence_error(distance, other, target, image, collection.reference.area))
+    mean, flipped = symmetric_mean(direct, mirrored)
+    return {"geodesic_symmetric_mean": mean, "flipped": flipped}
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    """Mean of the values that are there; nan if none is."""
+    there = values[~np.isnan(values)]
+    return float(there.mean()) if len(there) else float("nan")
+
+
+def _finite(value: Any) -> Any:
+    """None for a number that is not finite, which JSON cannot hold."""
+    return None if isinstance(value, float) and not np.isfinite(value) else value

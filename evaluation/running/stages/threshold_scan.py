@@ -1,0 +1,49 @@
+"""Scans: the cloud that a threshold and a number of points make of a render, or a complete ideal sampling."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from datasets_gen import InputError
+from evaluation.running.stages.interface import Inputs, Output
+from scanner_sim import Scan, coverage, sample
+
+
+def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
+    """Accept, thin out and move.
+
+    ``spec``: ``pose``, ``points``, ``seed`` and either ``ideal`` or ``threshold``, ``rotation`` (degrees),
+    ``scale``. Inputs: ``shape`` and, unless ideal, ``render``.
+
+    Info: ``points``, and ``missing``: the share of the surface that has no accepted scan point within 1 %
+    of the bounding box's diagonal, before thinning.
+    """
+    shape = inputs.load("shape")[spec["pose"]]
+    if spec.get("ideal"):
+        cloud = sample(shape, spec["points"], seed=spec["seed"])
+        return Output(cloud.save, {"points": len(cloud), "missing": 0.0})
+    accepted = inputs.load("render").accept(spec["threshold"])
+    if len(accepted) == 0:
+        raise InputError(
+            f"no point of {shape.name!r} reaches the peak threshold {spec['threshold']}; lower it"
+        )
+    missing = 1 - coverage(accepted, shape)
+    cloud = moved(accepted.subsample(spec["points"], seed=spec["seed"]), spec)
+    return Output(cloud.save, {"points": len(cloud), "missing": missing})
+
+
+def moved(cloud: Scan, spec: Mapping[str, Any]) -> Scan:
+    """The cloud turned by ``rotation`` degrees about a random axis and scaled."""
+    if not spec["rotation"] and spec["scale"] == 1:
+        return cloud
+    axis = np.random.default_rng(spec["seed"]).normal(size=3)
+    turn = Rotation.from_rotvec(np.radians(spec["rotation"]) * axis / np.linalg.norm(axis)).as_matrix()
+    return replace(
+        cloud,
+        points=spec["scale"] * cloud.points @ turn.T,
+        true_points=spec["scale"] * cloud.true_points @ turn.T,
+        normals=cloud.normals @ turn.T,
+    )

@@ -1,0 +1,1 @@
+"""Medial axis (Eq. 9) and areas (Eq. 10)."""

@@ -1,0 +1,1 @@
+"""Dr.Jit forms of the heavy loops, for CUDA and LLVM."""

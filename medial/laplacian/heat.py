@@ -1,0 +1,23 @@
+"""The Gaussian baseline: Laplace operator of a cloud from Gaussian weights [BSW09]."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from medial.laplacian.weights import gaussian_weights, laplacian
+
+
+def heat_laplacian(points: NDArray[np.floating], areas: NDArray[np.float64]) -> csr_array:
+    r"""S of the Gaussian operator, in the limit the Laplace-Beltrami operator of the surface.
+
+    (L f)(p) = \sum_q a_q 4 / (pi h^2) exp(-|p - q|^2 / h) (f(p) - f(q)): Sec. 2 of [BSW09] with h = 4 t.
+
+    Parameters
+    ----------
+    points : (n, 3)
+    areas : (n,)
+        Surface areas (`medial.surface_areas`).
+    """
+    weights, bandwidths = gaussian_weights(points, areas)
+    weights.data *= 4 / (np.pi * bandwidths**2)
+    return laplacian(weights, areas)

@@ -1,0 +1,1 @@
+"""Matching of two clouds (Sec. 4 and beyond)."""

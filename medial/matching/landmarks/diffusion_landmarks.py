@@ -1,0 +1,277 @@
+"""The landmark search and the extrapolation of Sec. 4 (Eqs. 16 and 17)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.compiled import compiled
+from medial.diffusion import Diffusion, decay
+from medial.matching.config import MatchConfig
+from medial.matching.landmarks.samples import (
+    LOG_DECADES,
+    diffusion_map,
+    farthest_points,
+    first_positive_mode,
+)
+from medial.matching.nearest import nearest_sum_of_norms, over_blocks, single_blas_thread
+
+Float32 = NDArray[np.float32]
+Float64 = NDArray[np.float64]
+
+PARTNERS_APART = 0.5
+"""Alternatives are apart by this part of the target's root mean square extent in the diffusion map."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """One cloud, prepared for matching.
+
+    Attributes
+    ----------
+    diffusion : Diffusion
+    samples : (s,) int64
+        Point ids of S_P or S_Q.
+    decay : (k, T) float32
+        exp(-lambda_i t) over the heat trace at t (`medial.diffusion.decay`).
+    psi : (n, k) float32
+        Eigenfunctions in units in which the cloud's total area is 1.
+    signature : (s, T) float32
+        m_t(x, x) of the samples, divided by the heat trace.
+    """
+
+    diffusion: Diffusion
+    samples: NDArray[np.int64]
+    decay: NDArray[np.float32]
+    psi: NDArray[np.float32]
+    signature: NDArray[np.float32]
+
+    def heat(self, landmark: int, rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
+        """m_o(landmark, x) for some points x: one column per time, (rows, T)."""
+        return self.psi[rows] @ (self.psi[landmark][:, None] * self.decay)
+
+    def heats(self, landmarks: NDArray[np.integer], rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
+        """m_o between several landmarks and some points, (landmarks, rows, T)."""
+        weights = self.psi[landmarks].T[:, :, None] * self.decay[:, None, :]  # (k, L, T)
+        table = self.psi[rows] @ weights.reshape(len(weights), -1)
+        return table.reshape(len(table), len(landmarks), -1).transpose(1, 0, 2)
+
+    def signatures(self, rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
+        """m_o(x, x) for some points x, (rows, T)."""
+        return self.psi[rows] ** 2 @ self.decay
+
+
+def shared_times(source: Diffusion, target: Diffusion, config: MatchConfig) -> NDArray[np.float64]:
+    """Logarithmic times of a pair: from 4 ln 10 / lambda_max to 4 ln 10 / lambda_first [SOG09].
+
+    Each end is the geometric mean of the two clouds', so that the pair shares one set.
+
+    Returns
+    -------
+    (T,) float64
+    """
+    ends = []
+    for diffusion in (source, target):
+        first = first_positive_mode(diffusion.eigenvalues) + config.first_mode - 1
+        low = diffusion.eigenvalues[min(first, len(diffusion.eigenvalues) - 1)]
+        ends.append((LOG_DECADES / diffusion.eigenvalues[-1], LOG_DECADES / low))
+    shortest, longest = np.exp(np.log(ends).mean(axis=0))
+    return np.geomspace(shortest, longest, config.times)
+
+
+def middle_time(times: NDArray[np.float64]) -> float:
+    """The middle of logarithmic times."""
+    return float(np.sqrt(times[0] * times[-1]))
+
+
+def prepare(diffusion: Diffusion, times: NDArray[np.float64], samples: NDArray[np.int64]) -> Side:
+    """Tabulate the heat traces of a cloud and the signatures of its samples."""
+    scale = np.sqrt(diffusion.areas.sum())
+    psi = (diffusion.eigenfunctions * scale).astype(np.float32)
+    left = (decay(diffusion.eigenvalues, times) / diffusion.heat_trace(times)).astype(np.float32)
+    with single_blas_thread():
+        return Side(diffusion, samples, left, psi, psi[samples] ** 2 @ left)
+
+
+def landmark_order(side: Side, times: NDArray[np.float64], start: int, count: int) -> NDArray[np.int64]:
+    """Positions in `side.samples` of samples far apart in the diffusion map at the middle time, (count,)."""
+    embedding = diffusion_map(side.diffusion, middle_time(times), side.samples)
+    return farthest_points(embedding, count, start)
+
+
+def search_landmarks(
+    source: Side,
+    target: Side,
+    order: NDArray[np.int64],
+    config: MatchConfig,
+    first_partner: int | None = None,
+) -> NDArray[np.int64]:
+    """Partners of a sequence of source samples, found greedily with Eq. 16.
+
+    Coordinates of landmarks found before are appended to those of a new one, so that it has to agree with
+    them: squared distances simply add up.
+
+    Parameters
+    ----------
+    source, target
+    order : (L,) int64
+        Positions in `source.samples`.
+    config
+    first_partner
+        Partner of the first landmark, if it is given; a position in `target.samples`.
+
+    Returns
+    -------
+    (L,) int64
+        Positions in `target.samples`.
+    """
+    partners = np.empty(len(order), dtype=np.int64)
+    agreement = np.zeros((len(target.samples), len(source.samples)), dtype=np.float32)
+    for step, landmark in enumerate(order):
+        if step == 0 and first_partner is not None:
+            candidates = np.array([first_partner])
+        else:
+            candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
+        coordinates = source.heat(int(source.samples[landmark]), source.samples)
+        others = target.heats(target.samples[candidates], target.samples)
+        best = int(candidate_costs(agreement, coordinates, others).argmin())
+        partners[step] = candidates[best]
+        product, square_x, square_y = _square_parts(coordinates, others[best])
+        agreement += product + square_y[:, None] + square_x
+    return partners
+
+
+def first_partners(
+    source: Side, target: Side, landmark: int, config: MatchConfig, time: float
+) -> NDArray[np.int64]:
+    """Partners of a first landmark by Eq. 16, best first, that lie apart from each other.
+
+    Left and right, and sometimes arm and leg, cost nearly the same: the alternatives are kept.
+
+    Parameters
+    ----------
+    source, target
+    landmark
+        Position in `source.samples`.
+    config
+        `partners` says how many.
+    time
+        Diffusion time at which partners must be apart.
+
+    Returns
+    -------
+    (at most config.partners,) int64
+        Positions in `target.samples`.
+    """
+    candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
+    coordinates = source.heat(int(source.samples[landmark]), source.samples)
+    others = target.heats(target.samples[candidates], target.samples)
+    none = np.zeros((len(target.samples), len(source.samples)), dtype=np.float32)
+    costs = candidate_costs(none, coordinates, others)
+    embedding = diffusion_map(target.diffusion, time, target.samples)
+    apart = PARTNERS_APART * np.sqrt(embedding.var(axis=0).sum())
+    left = np.ones(len(candidates), dtype=bool)
+    chosen: list[int] = []
+    while left.any() and len(chosen) < config.partners:
+        best = np.flatnonzero(left)[costs[left].argmin()]
+        chosen.append(int(candidates[best]))
+        gap = np.linalg.norm(embedding[candidates] - embedding[candidates[best]], axis=1)
+        left &= gap > apart
+    return np.array(chosen, dtype=np.int64)
+
+
+def candidate_costs(agreement: Float32, coordinates: Float32, others: Float32) -> Float64:
+    """Objective of Eq. 16 for candidates.
+
+    Parameters
+    ----------
+    agreement : (m, s)
+        Squared distances from landmarks found before, of target samples from source samples.
+    coordinates : (s, T)
+        Of the source samples, from the new landmark.
+    others : (candidates, m, T)
+        Of the target samples, from each candidate.
+
+    Returns
+    -------
+    (candidates,) float64
+    """
+    costs = np.empty(len(others))
+    over_blocks(len(others), _candidate_costs(agreement, coordinates, others, costs), block=8)
+    return costs
+
+
+def _candidate_costs(
+    agreement: Float32, coordinates: Float32, others: Float32, costs: Float64
+) -> Callable[[slice], None]:
+    """Task that writes the objective of Eq. 16 for a slice of the candidates."""
+
+    def work(piece: slice) -> None:
+        for c in range(piece.start, piece.stop):
+            product, square_x, square_y = _square_parts(coordinates, others[c])
+            costs[c] = _sum_of_nearest(agreement, product, square_x, square_y)
+
+    return work
+
+
+def nearest_signatures(
+    signature: NDArray[np.float32], others: NDArray[np.float32], fraction: float
+) -> NDArray[np.int64]:
+    """The given fraction of the other samples, at least one, whose signatures are nearest; nearest first."""
+    count = max(1, round(fraction * len(others)))
+    return np.linalg.norm(others - signature, axis=1).argsort(kind="stable")[:count].astype(np.int64)
+
+
+def _square_parts(x: Float32, y: Float32) -> tuple[Float32, Float32, Float32]:
+    """Terms of |x_i - y_j|^2 = -2 y_j.x_i + |x_i|^2 + |y_j|^2, centred to keep digits; (m, n), (n,), (m,)."""
+    centre = y.mean(axis=0)
+    a, b = x - centre, y - centre
+    return b @ (-2 * a.T), np.einsum("nd,nd->n", a, a), np.einsum("md,md->m", b, b)
+
+
+@compiled(fastmath={"contract", "nnan", "nsz"})
+def _sum_of_nearest(agreement: Float32, product: Float32, square_x: Float32, square_y: Float32) -> float:
+    """Sum over columns of the square root of the column's smallest squared distance (Eq. 16's objective)."""
+    least = np.full(len(square_x), np.float32(np.inf))
+    for j in range(len(square_y)):
+        for i in range(len(square_x)):  # columns side by side
+            least[i] = min(least[i], agreement[j, i] + product[j, i] + square_y[j])
+    total = 0.0
+    for i in range(len(square_x)):
+        total += np.sqrt(max(least[i] + square_x[i], np.float32(0)))
+    return total
+
+
+def extend(
+    source: Side,
+    target: Side,
+    landmarks: NDArray[np.int64],
+    rows: NDArray[np.integer] | slice,
+    among: NDArray[np.integer] | None = None,
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Target of some source points by Eq. 17, over all points of the target unless told otherwise.
+
+    Parameters
+    ----------
+    source, target
+    landmarks : (L, 2) int64
+        Point ids.
+    rows
+        Source points to map.
+    among
+        Target points to choose from; None is all of them.
+
+    Returns
+    -------
+    index : (rows,) int64
+        Target point ids.
+    residual : (rows,) float64
+        The sum of norms that the target point minimises.
+    """
+    columns = slice(None) if among is None else among
+    with single_blas_thread():
+        here = [source.heat(int(p), rows) for p in landmarks[:, 0]] + [source.signatures(rows)]
+        there = [target.heat(int(q), columns) for q in landmarks[:, 1]] + [target.signatures(columns)]
+    index, residual = nearest_sum_of_norms(here, there)
+    return (index if among is None else among[index]).astype(np.int64), residual

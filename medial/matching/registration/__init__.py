@@ -1,0 +1,1 @@
+"""Deform one cloud onto the other and judge the fit."""

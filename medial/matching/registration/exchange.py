@@ -1,0 +1,132 @@
+"""Combine settled maps: where one map has a limb right and another has the other limb right, take both.
+
+[KLF11] blend a collection of maps; here parts of the body are exchanged. Two fits differ on connected parts
+of the node graph. Each such part of one is put into the other, the result is settled, and what scores better
+stays.
+
+References
+----------
+[KLF11] Kim, Lipman, Funkhouser: Blended intrinsic maps. SIGGRAPH 2011.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from datasets_gen.compiled import run_tasks
+from medial.matching.registration.registration import Fit, Registration, Schedule
+
+DIFFERENT = 0.1
+"""Distance, in sqrt(area), at which two fits place a node differently."""
+SAME_FIT = 0.06
+"""Fits whose points are on average closer than this are one."""
+SAME_TRIAL = 0.02
+"""Exchanges whose nodes are on average closer than this are one."""
+WORTH_A_TRY = 0.15
+"""An unsettled exchange that sees less than its base by more than this is not settled."""
+BETTER = 0.002
+"""Gain in score that counts as better."""
+AGAIN = Schedule(follow=0, rounds=10, stiffness=(1.0, 0.01))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exchange:
+    """How much is tried."""
+
+    rounds: int = 6
+    """Rounds of exchanges; it ends sooner when nothing new can be tried."""
+    patience: int = 2
+    """Rounds without a better fit after which it ends."""
+    bases: int = 4
+    """Best fits that receive parts."""
+    donors: int = 14
+    """Distinct fits kept."""
+    settled: int = 6
+    """Exchanges settled per round."""
+
+
+def distinct(fits: list[Fit], most: int, same: float = SAME_FIT) -> list[Fit]:
+    """The best of each group of like fits, best first, at most `most`.
+
+    Parameters
+    ----------
+    fits
+    most
+    same
+        Mean distance of the points, in sqrt(area), up to which fits are alike.
+    """
+    kept: list[Fit] = []
+    for fit in sorted(fits, key=lambda f: -f.score):
+        gaps = (np.linalg.norm(fit.moved - other.moved, axis=1).mean() for other in kept)
+        if all(gap > same for gap in gaps):
+            kept.append(fit)
+        if len(kept) == most:
+            break
+    return kept
+
+
+def recombine(registration: Registration, fits: list[Fit], exchange: Exchange) -> list[Fit]:
+    """Exchange parts between fits as long as something new comes out.
+
+    Parameters
+    ----------
+    registration
+        The one that settled the fits.
+    fits
+        At least one.
+
+    Returns
+    -------
+    list of Fit
+        Distinct, best first.
+    """
+    pool = distinct(fits, exchange.donors)
+    tried: set[tuple[int, int]] = set()
+    everything = list(pool)  # keeps the fits alive, so that identities stay unique
+    idle = 0
+    for _ in range(exchange.rounds):
+        trials = _trials(registration, pool, exchange, tried)
+        if not trials:
+            break
+        again = run_tasks(lambda fit: registration.settle(fit.pose, AGAIN), [(fit,) for fit in trials])
+        everything += again
+        before, pool = pool[0].score, distinct(pool + again, exchange.donors)
+        idle = 0 if pool[0].score > before + BETTER else idle + 1
+        if idle == exchange.patience:
+            break
+    return pool
+
+
+def _trials(
+    registration: Registration, pool: list[Fit], exchange: Exchange, tried: set[tuple[int, int]]
+) -> list[Fit]:
+    """The most promising exchanges, not settled."""
+    arguments = []
+    for base in pool[: exchange.bases]:
+        for donor in pool:
+            key = (id(base), id(donor))
+            if donor is not base and key not in tried:
+                tried.add(key)
+                arguments.append((registration, base, donor))
+    found = [trial for trials in run_tasks(_exchanges, arguments) for trial in trials]
+    found.sort(key=lambda fit: -fit.seen)
+    picked: list[Fit] = []
+    for fit in found:
+        places = (np.abs(fit.pose.positions - p.pose.positions) for p in picked)
+        if all(np.linalg.norm(gap, axis=1).mean() > SAME_TRIAL for gap in places):
+            picked.append(fit)
+        if len(picked) == exchange.settled:
+            break
+    return picked
+
+
+def _exchanges(registration: Registration, base: Fit, donor: Fit) -> list[Fit]:
+    """The base with each part on which the donor differs taken from it."""
+    gap = np.linalg.norm(base.pose.positions - donor.pose.positions, axis=1)
+    trials = []
+    for part in registration.graph.parts(gap > DIFFERENT):
+        if 2 <= len(part) <= 0.9 * len(gap):
+            fit = registration.judge(base.pose.mixed(donor.pose, part))
+            if fit.seen > base.seen - WORTH_A_TRY:
+                trials.append(fit)
+    return trials

@@ -1,0 +1,1 @@
+"""Medial similarity (Eqs. 4-7)."""

@@ -1,0 +1,1 @@
+"""The smallest modes of an operator."""

@@ -1,0 +1,1 @@
+"""Command line ``medialbench``: one module per command."""

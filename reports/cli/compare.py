@@ -1,0 +1,42 @@
+"""``medialbench compare``: the leaderboard of a results folder, and whether differences mean anything."""
+
+from pathlib import Path
+
+import click
+
+from reports.cli.console import Command, Failure, output, show
+
+MEASURES = ("geodesic_mean", "geodesic_median", "geodesic_symmetric_mean", "medial_mean")
+
+
+@click.command(cls=Command, short_help="Leaderboard of a results folder, with paired tests.")
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--measure",
+    type=click.Choice(MEASURES),
+    default=MEASURES[0],
+    show_default=True,
+    help="What the tests compare.",
+)
+def compare(folder: Path, measure: str, quiet: bool) -> None:
+    """Show the leaderboard of the results in DIR with its spread over seeds, and paired tests of the methods.
+
+    The tests are two-sided Wilcoxon signed-rank tests over pairs of scans, corrected for their number (Holm).
+    """
+    from evaluation.results.store import ResultsStore
+    from reports.tables.leaderboard import ceilings, leaderboard, plain
+    from reports.tables.statistics import paired_tests
+    from reports.tables.terminal import leaderboard_lines, tests_lines
+
+    store = ResultsStore(folder)
+    table = plain(store.table())
+    board = leaderboard(table, ceilings(store.settings))
+    if board.empty:
+        raise Failure(
+            f"{str(folder)!r} holds no correspondences to compare; run an experiment with [matching]"
+        )
+    show(leaderboard_lines(board, output().width))
+    tests = paired_tests(table, measure)
+    if len(tests):
+        output().print()
+        show(tests_lines(tests, measure))

@@ -1,0 +1,105 @@
+"""``medialbench scan``: a mesh through the simulated laser scanner."""
+
+from pathlib import Path
+
+import click
+
+from reports.cli.console import Command, note, steps
+from reports.cli.set_options import parsed
+
+
+@click.command(cls=Command, short_help="Scan a mesh with the simulated laser scanner.")
+@click.argument("mesh", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--out",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Scan to write: .npz (everything) or .ply.",
+)
+@click.option(
+    "-t",
+    "--peak-threshold",
+    type=float,
+    help="Smallest accepted laser peak, in (0, 1]; higher loses more surface.  [default: 0.1]",
+)
+@click.option("--views", help="Viewpoints: a number, sphere:N, ring:N or opposed.  [default: 10]")
+@click.option(
+    "--points", type=click.IntRange(min=1), help="Keep this many points, evenly spread.  [default: all]"
+)
+@click.option("--seed", default=0, show_default=True, help="Of the noise and of the even spread.")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Another setting of scanner_sim.ScannerConfig, as noise=0.1; may be repeated.",
+)
+@click.option("--repair", is_flag=True, help="Go on with the largest component and without degenerate faces.")
+@click.option(
+    "--preview",
+    type=click.Path(path_type=Path),
+    metavar="FILE.png",
+    help="Also draw a contact sheet: rig, camera, stripe, intensity, verdict on every pixel (.png or .pdf).",
+)
+@click.option(
+    "--range-images",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Also write a 16-bit range image per view, and the cameras.",
+)
+def scan(
+    mesh: Path,
+    out: Path,
+    peak_threshold: float | None,
+    views: str | None,
+    points: int | None,
+    seed: int,
+    settings: tuple[str, ...],
+    repair: bool,
+    preview: Path | None,
+    range_images: Path | None,
+    quiet: bool,
+) -> None:
+    """Scan MESH (.ply, .obj or .off) with the simulated laser scanner.
+
+    Every point of the scan knows its face and barycentric coordinates on the mesh.
+    """
+    from datasets_gen import load_mesh
+    from reports.cli.output_paths import check_output_file, check_output_folder
+
+    check_output_file(out, (".npz", ".ply"))
+    if preview is not None:
+        check_output_file(preview, (".png", ".pdf", ".svg"))
+    if range_images is not None:
+        check_output_folder(range_images)
+    named = {"views": _number(views), "peak_threshold": peak_threshold}
+    given = {name: value for name, value in named.items() if value is not None} | parsed(settings)
+    with steps(
+        quiet, [("reading the mesh", 1), ("starting the scanner", 2), ("scanning", 10), ("writing", 2)]
+    ) as step:
+        next(step)
+        shape = load_mesh(mesh, repair=repair)
+        next(step)
+        import scanner_sim
+
+        config = scanner_sim.ScannerConfig.from_dict(given)
+        next(step)
+        whole = scanner_sim.scan(shape, config, seed)
+        missing = 1 - scanner_sim.coverage(whole, shape)
+        cloud = whole if points is None else whole.subsample(points, seed)
+        next(step)
+        cloud.save(out)
+        if preview is not None:
+            scanner_sim.preview(shape, preview, config, seed)
+        if range_images is not None:
+            scanner_sim.write_range_images(whole, range_images)
+    kept = f", {len(cloud):,} kept" if len(cloud) < len(whole) else ""
+    note(
+        quiet,
+        f"{len(whole):,} points{kept}; {100 * missing:.1f} % of the surface is missing; written to {out}",
+    )
+
+
+def _number(views: str | None) -> int | str | None:
+    return int(views) if views is not None and views.lstrip("-").isdigit() else views

@@ -1,0 +1,68 @@
+"""One map without ground truth: colours that travel from a cloud to another, landmarks, confidence."""
+
+from dataclasses import replace
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from reports.figures.cloud_drawing import carried_colors, mark_landmarks, place_cloud, position_colors
+from reports.figures.correspondence import Cloud, caption
+from reports.figures.point_renderer import best_azimuth, frame, look_from
+from reports.figures.style import blank, new_figure, styled
+
+CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#f1eef0", "#b8d3e6", "#4292c6", "#08306b"])
+"""Pale where a map is not sure of itself, dark blue where it is."""
+
+
+@styled
+def dense_map(
+    source: Cloud,
+    target: Cloud,
+    source_to_target: NDArray[np.integer],
+    confidence: NDArray[np.float64],
+    landmarks: NDArray[np.integer],
+    height: int = 480,
+    up: int = 1,
+) -> Figure:
+    """Source, target with the colours that arrive, and the confidence on the source.
+
+    Parameters
+    ----------
+    source, target
+    source_to_target : (n_source,)
+        -1 for no match.
+    confidence : (n_source,) float64
+        In [0, 1].
+    landmarks : (L, 2)
+        Source and target point ids.
+    height
+        Pixels of the taller cloud.
+    up
+        Axis that points upwards.
+    """
+    low, high = np.quantile(source.points, [0.01, 0.99], axis=0)
+    colors = position_colors(source.points, low, high)
+    arrived = carried_colors(source_to_target, colors, target.points)
+    cameras = frame([source.points, target.points], look_from(best_azimuth(source.points, up), up=up), height)
+    width = max(camera.width for camera in cameras)
+    here, there = (replace(camera, width=width) for camera in cameras)
+    figure, grid = new_figure(1, 3, 3 * max(3.0 * width / height, 1.6) + 0.6, 3.4)
+    sure = CONFIDENCE(confidence)[:, :3]
+    for axes, cloud, shown, camera, title, side in (
+        (grid[0, 0], source, colors, here, "source", 0),
+        (grid[0, 1], target, arrived, there, "target", 1),
+        (grid[0, 2], source, sure, here, "confidence", None),
+    ):
+        blank(axes)
+        place_cloud(axes, cloud.points, cloud.normals, shown, camera)
+        caption(axes, title, cloud.caption if side is not None else "on the source")
+        if side is not None and len(landmarks):
+            ids = landmarks[:, side]
+            mark_landmarks(axes, cloud.points[ids], cloud.normals[ids], camera)
+    scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, 1), CONFIDENCE)
+    bar = figure.colorbar(scale, ax=grid[0, 2], shrink=0.7, aspect=24, pad=0.02)
+    bar.outline.set_visible(False)
+    return figure

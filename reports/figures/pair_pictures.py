@@ -1,0 +1,154 @@
+"""From stored maps to pictures: colours that travel along a map, errors of every point."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from datasets_gen import Collection
+from evaluation.metrics.correspondence import SurfacePoints, correspondence_error
+from evaluation.metrics.geodesic import SurfaceDistance
+from evaluation.results.store import ResultsStore
+from reports.figures.cloud_drawing import ERROR_CAP, carried_colors, position_colors
+from reports.figures.correspondence import Cloud, Pair, Panel
+from reports.figures.style import ABSENT
+from reports.method_order import order_methods
+from scanner_sim import Scan
+
+COUNTERPART = 0.05
+"""A target point has a counterpart if a source point is this near on the rest pose, in sqrt(area)."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """A scan and where its points lie on the rest pose, (n, 3)."""
+
+    scan: Scan
+    rest: NDArray[np.float64]
+
+    @property
+    def surface(self) -> SurfacePoints:
+        """Its points on the mesh."""
+        return SurfacePoints(self.scan.face_ids, self.scan.barycentrics)
+
+
+class PairMaker:
+    """Makes `Pair`s out of a results store; keeps the distances of the data set used last."""
+
+    def __init__(self, store: ResultsStore) -> None:
+        self.store = store
+        self._collection = lru_cache(maxsize=1)(store.collection)
+        self._distance = lru_cache(maxsize=1)(self._measure)
+
+    def _measure(self, dataset: str) -> SurfaceDistance:
+        return SurfaceDistance(self._collection(dataset).reference)
+
+    def make(self, rows: pd.DataFrame) -> Pair:
+        """The picture of one pair of scans.
+
+        Parameters
+        ----------
+        rows
+            Rows of the table with one pair of scans and one method each.
+        """
+        first = rows.iloc[0]
+        dataset = str(first["dataset"])
+        collection = self._collection(dataset)
+        source, target = (self._side(collection, first[f"{name}_scan"]) for name in ("source", "target"))
+        colors = self._source_colors(rows, source)
+        by_method = {str(row["method"]): row for _, row in rows.iterrows()}
+        panels = tuple(
+            self._panel(by_method[method], dataset, source, target, colors)
+            for method in order_methods(by_method)
+        )
+        return Pair(
+            source=_cloud(first, "source", source),
+            target=_cloud(first, "target", target),
+            source_colors=colors,
+            truth_colors=true_colors(source.rest, target.rest, colors, np.sqrt(collection.reference.area)),
+            panels=panels,
+            up="xyz".index(source.scan.config.up),
+        )
+
+    def _side(self, collection: Collection, key: str) -> Side:
+        scan = self.store.scan(key)
+        return Side(scan, collection.reference.at(scan.face_ids, scan.barycentrics))
+
+    def _source_colors(self, rows: pd.DataFrame, source: Side) -> NDArray[np.float64]:
+        """Colours of the medial centres (Eq. 9) as in the paper; of the points if no method built them."""
+        places = source.scan.points
+        for key in rows["map_key"]:
+            record = self.store.record("map", str(key)) or {}
+            operator = record.get("inputs", {}).get("source_medial")
+            if operator:
+                places = self.store.operator(operator).centers
+                break
+        low, high = np.quantile(places, [0.01, 0.99], axis=0)
+        return position_colors(places, low, high)
+
+    def _panel(
+        self, row: "pd.Series[Any]", dataset: str, source: Side, target: Side, colors: NDArray[np.float64]
+    ) -> Panel:
+        found = self.store.matching(str(row["map_key"]))
+        errors = self._errors(dataset, source, target, found.source_to_target)
+        return Panel(
+            title=str(row["method"]),
+            note=note(row),
+            target_colors=carried_colors(found.source_to_target, colors, target.scan.points),
+            errors=100 * errors,
+            landmarks=found.landmarks,
+        )
+
+    def _errors(
+        self, dataset: str, source: Side, target: Side, image: NDArray[np.integer]
+    ) -> NDArray[np.float64]:
+        """Geodesic errors in sqrt(area), (n,); straight ones where those pass the end of the colours."""
+        area = self._collection(dataset).reference.area
+        errors = np.linalg.norm(source.rest - target.rest[image], axis=1) / np.sqrt(area)
+        errors[image < 0] = np.nan
+        near = np.flatnonzero(errors < ERROR_CAP / 100)  # a geodesic is never shorter
+        errors[near] = correspondence_error(
+            self._distance(dataset), source.surface[near], target.surface, image[near], area
+        )
+        return errors
+
+
+def note(row: "pd.Series[Any] | Mapping[str, Any]") -> str:
+    """A map's errors in a few words."""
+    words = f"mean {row['geodesic_mean']:.1f}, median {row['geodesic_median']:.1f}"
+    return f"{words}, flipped" if row.get("flipped") is True or row.get("flipped") == 1 else words
+
+
+def _cloud(row: "pd.Series[Any]", side: str, cloud: Side) -> Cloud:
+    caption = (
+        f"{row[f'{side}_pose']}, τ {row[f'{side}_threshold']:g}, {100 * row[f'{side}_missing']:.0f} % missing"
+    )
+    return Cloud(cloud.scan.points, cloud.scan.normals, caption)
+
+
+def true_colors(
+    source: NDArray[np.float64], target: NDArray[np.float64], colors: NDArray[np.float64], unit: float
+) -> NDArray[np.float64]:
+    """Colours of a perfect map: of the source point that lies nearest on the rest pose, where one is near.
+
+    Parameters
+    ----------
+    source : (n, 3), target : (m, 3)
+        Positions on the rest pose.
+    colors : (n, 3)
+        Of the source.
+    unit
+        sqrt(area) of the rest pose.
+
+    Returns
+    -------
+    (m, 3) float64
+    """
+    gap, nearest = cKDTree(source).query(target)
+    return np.where((gap <= COUNTERPART * unit)[:, None], colors[nearest], to_rgb(ABSENT))

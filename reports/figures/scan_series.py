@@ -1,0 +1,70 @@
+"""What the scanner leaves: clouds of one pose at rising peak thresholds."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from reports.figures.cloud_drawing import place_cloud
+from reports.figures.point_renderer import best_azimuth, frame, look_from
+from reports.figures.style import QUIET, blank, new_figure, styled
+
+CLAY = "#9fb8d0"
+
+
+@dataclass(frozen=True)
+class ScanView:
+    """One cloud: points and normals (n, 3), and its captions."""
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    title: str
+    note: str
+
+
+@styled
+def scans(rows: Sequence[tuple[str, Sequence[ScanView]]], up: int = 1, height: int = 360) -> Figure:
+    """Clouds side by side, one row per pose; what is seen through a hole is grey.
+
+    Parameters
+    ----------
+    rows
+        Name of each row and its clouds.
+    up
+        Axis that points upwards.
+    height
+        Pixels of the tallest cloud.
+    """
+    clouds = [view.points for _, views in rows for view in views]
+    rotation = look_from(best_azimuth(clouds[0], up), up=up)
+    framed = frame(clouds, rotation, height)
+    width = max(camera.width for camera in framed)
+    cameras = (replace(camera, width=width) for camera in framed)
+    columns = max(len(views) for _, views in rows)
+    shown = [[(view, next(cameras)) for view in views] for _, views in rows]
+    tall = 2.3
+    wide = max(tall * width / height, 1.1)
+    figure, grid = new_figure(len(rows), columns, wide * columns, (tall + 0.35) * len(rows))
+    for axes, row, (name, _) in zip(grid, shown, rows, strict=True):
+        for each in axes:
+            blank(each)
+        for each, (view, camera) in zip(axes, row, strict=False):
+            colors = np.tile(to_rgb(CLAY), (len(view.points), 1))
+            place_cloud(each, view.points, view.normals, colors, camera)
+            each.set_title(view.title, pad=14)
+            each.text(0, 1.01, view.note, transform=each.transAxes, fontsize=7.5, color=QUIET, va="bottom")
+        if len(rows) > 1:
+            axes[0].text(
+                -0.02,
+                0.5,
+                name,
+                transform=axes[0].transAxes,
+                rotation=90,
+                va="center",
+                ha="right",
+                color=QUIET,
+            )
+    return figure

@@ -1,0 +1,45 @@
+"""Whether a report is what would be drawn again: then a repeated run need not draw it."""
+
+import json
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from datasets_gen.fingerprints import digest, digest_files
+from evaluation.results.store import ResultsStore, write_json
+
+PAIRS = 24
+"""Pairs drawn by default; a sweep may have thousands."""
+RECORD = "made.json"
+LIBRARIES = ("matplotlib", "pandas", "jinja2", "mitsuba")
+
+
+def note_made(store: ResultsStore, folder: Path, pairs: int | None) -> None:
+    """Write down what a report was made of, and its files."""
+    files = sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file() and p.name != RECORD)
+    write_json(folder / RECORD, {"state": _state(store, pairs), "files": files})
+
+
+def is_made(store: ResultsStore, folder: Path, pairs: int | None) -> bool:
+    """Whether the report in a folder was made of these results by this code, and is complete."""
+    try:
+        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        return record["state"] == _state(store, pairs) and all(
+            (folder / f).is_file() for f in record["files"]
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def _state(store: ResultsStore, pairs: int | None) -> str:
+    """Hash of the results, of the code that draws, and of how many pairs are drawn."""
+    results = (store.folder / name for name in ("run.json", "table.parquet"))
+    return digest([_code(), pairs, digest_files(*(file for file in results if file.is_file()))])
+
+
+@cache
+def _code() -> str:
+    root = Path(__file__).parents[2]
+    files = (file for package in ("reports", "evaluation") for file in (root / package).rglob("*"))
+    source = digest_files(*(file for file in files if file.is_file() and file.suffix != ".pyc"))
+    return digest([{name: version(name) for name in LIBRARIES}, source])

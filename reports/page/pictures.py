@@ -1,0 +1,229 @@
+"""Which figures a report has: one job each, made from the results table alone; drawn when called."""
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from evaluation.metrics.correspondence import CURVE
+from evaluation.results.store import ResultsStore
+from reports.figures.accuracy import error_against_missing, pck
+from reports.figures.correspondence import correspondence
+from reports.figures.diffusion_error import stability
+from reports.figures.pair_pictures import PairMaker
+from reports.figures.scan_series import ScanView, scans
+from reports.figures.style import save
+
+FEW = 8
+"""Figures that are drawn without starting processes, which takes some seconds."""
+
+POSES, THRESHOLDS = 3, 6
+"""Rows and columns of the picture of scans."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure on the page.
+
+    Attributes
+    ----------
+    name : str
+        File name without suffix.
+    title, caption : str
+    width : float
+        Inches.
+    group : str
+        What readers may filter by; empty if alone.
+    """
+
+    name: str
+    title: str
+    caption: str
+    width: float
+    group: str = ""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A figure to be drawn: the section it belongs to, what it shows, and the call that draws it."""
+
+    section: str
+    label: str
+    draw: Callable[[], Picture]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What a process needs to find the same jobs again: see `figure_jobs`."""
+
+    results: Path
+    folder: Path
+    pairs: int | None
+
+
+def drawn(todo: Sequence[Job], drawing: Drawing, processes: int) -> Iterator[tuple[Job, Picture]]:
+    """Draw figures, in the order of the jobs, with several processes where that pays."""
+    if processes < 2 or len(todo) < FEW:
+        yield from ((job, job.draw()) for job in todo)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(processes, context, _prepare, (drawing,)) as pool:
+        try:
+            yield from zip(todo, pool.map(_draw, range(len(todo))), strict=True)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+_todo: list[Job] = []  # of a drawing process
+
+
+def _prepare(drawing: Drawing) -> None:
+    from reports.tables.leaderboard import plain
+
+    store = ResultsStore(drawing.results)
+    _todo[:] = figure_jobs(store, plain(store.table()), drawing.folder, drawing.pairs)
+
+
+def _draw(number: int) -> Picture:
+    return _todo[number].draw()
+
+
+def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: int | None) -> list[Job]:
+    """Figures of a report, in the order of the page.
+
+    Parameters
+    ----------
+    store, table
+        A results folder and its table.
+    folder
+        Where the figures go.
+    pairs
+        Largest number of pairs to draw, None for all.
+    """
+    stable, maps = table[table["kind"] == "stability"], table[table["kind"] == "matching"]
+    found = []
+    if not maps.empty:
+        found.append(Job("missing", "error against missing surface", partial(_missing, maps, folder)))
+        for dataset, rows in maps.groupby("dataset", sort=False):
+            found.append(Job("pck", f"PCK of {dataset}", partial(_pck, store, str(dataset), rows, folder)))
+    for dataset, rows in stable[stable["source_threshold"].notna()].groupby("dataset", sort=False):
+        found.append(
+            Job("stability", f"Eq. 18 of {dataset}", partial(_stability, str(dataset), rows, folder))
+        )
+    for dataset, views in scan_views(table).groupby("dataset", sort=False):
+        found.append(Job("scans", f"scans of {dataset}", partial(_scans, store, str(dataset), views, folder)))
+    maker = PairMaker(store)
+    for number, rows in enumerate(chosen_pairs(maps, pairs), start=1):
+        first = rows.iloc[0]
+        label = f"{first['dataset']}: {first['source_pose']} to {first['target_pose']}"
+        found.append(Job("pairs", label, partial(_pair, maker, rows, f"pair-{number:03d}", folder)))
+    return found
+
+
+def pair_groups(maps: pd.DataFrame) -> list[pd.DataFrame]:
+    """Rows of the table by pair of scans, in the table's order."""
+    keys = ["dataset", "regime", "seed", "source_scan", "target_scan"]
+    return [rows for _, rows in maps.groupby(keys, sort=False)] if not maps.empty else []
+
+
+def chosen_pairs(maps: pd.DataFrame, limit: int | None) -> list[pd.DataFrame]:
+    """At most `limit` pairs, spread evenly over data sets and regimes; the first ones of each."""
+    groups = pair_groups(maps)
+    if limit is None or len(groups) <= limit:
+        return groups
+    seen: dict[tuple[str, str], int] = {}
+    rank = []
+    for number, rows in enumerate(groups):
+        kind = (str(rows.iloc[0]["dataset"]), str(rows.iloc[0]["regime"]))
+        seen[kind] = seen.get(kind, -1) + 1
+        rank.append((seen[kind], number))
+    return [groups[number] for number in sorted(number for _, number in sorted(rank)[:limit])]
+
+
+def scan_views(table: pd.DataFrame) -> pd.DataFrame:
+    """Scans of the first seed at the most frequent views: dataset, pose, threshold, missing, views, key."""
+    columns = ["dataset", "pose", "threshold", "missing", "views", "seed", "key"]
+    parts = []
+    for side in ("source", "target"):
+        names = [f"{side}_{c}" for c in ("pose", "threshold", "missing")]
+        wanted = ["dataset", *names, "views", "seed", f"{side}_scan"]
+        if set(wanted) <= set(table.columns):
+            parts.append(table[wanted].set_axis(columns, axis=1))
+    scans = pd.concat(parts).dropna(subset=["threshold", "key", "missing"]).drop_duplicates("key")
+    if scans.empty:
+        return scans
+    usual = scans.groupby("dataset")["views"].agg(lambda views: views.mode().iloc[0])
+    scans = scans[(scans["views"] == scans["dataset"].map(usual)) & (scans["seed"] == scans["seed"].min())]
+    return scans.drop_duplicates(["dataset", "pose", "threshold"])
+
+
+def spread(values: list[float], count: int) -> list[float]:
+    """At most `count` of the sorted values, evenly spread, with the first and the last."""
+    ordered = sorted(values)
+    if len(ordered) <= count:
+        return ordered
+    return [ordered[round(i)] for i in np.linspace(0, len(ordered) - 1, count)]
+
+
+def _missing(maps: pd.DataFrame, folder: Path) -> Picture:
+    about = "One dot per map; lines join the medians of groups of equal size."
+    return _saved(
+        error_against_missing(maps), folder, "error-missing", "Error against missing surface", about
+    )
+
+
+def _pck(store: ResultsStore, dataset: str, maps: pd.DataFrame, folder: Path) -> Picture:
+    curves: dict[str, dict[str, np.ndarray]] = {}
+    for (regime, method), rows in maps.groupby(["regime", "method"], sort=False):
+        stack = [store.score(str(key))["curve"] for key in rows["score_key"]]
+        curves.setdefault(str(regime), {})[str(method)] = np.mean(stack, axis=0)
+    about = "Share of points whose match lies within a radius, mean over maps."
+    return _saved(pck(curves, 100 * CURVE), folder, f"pck-{_file_name(dataset)}", f"PCK, {dataset}", about)
+
+
+def _stability(dataset: str, rows: pd.DataFrame, folder: Path) -> Picture:
+    about = "A line per pose; dashed and on the right axis, the missing surface."
+    return _saved(stability(rows), folder, f"stability-{_file_name(dataset)}", dataset, about)
+
+
+def _scans(store: ResultsStore, dataset: str, views: pd.DataFrame, folder: Path) -> Picture:
+    thresholds = spread(list(views["threshold"].unique()), THRESHOLDS)
+    counts = views[views["threshold"].isin(thresholds)].groupby("pose", sort=False).size()
+    poses = list(counts[counts == counts.max()].index[:POSES])
+    rows, up = [], 1
+    for pose in poses:
+        row = []
+        for threshold in thresholds:
+            for _, view in views[(views["pose"] == pose) & (views["threshold"] == threshold)].iterrows():
+                scan = store.scan(str(view["key"]))
+                up = "xyz".index(scan.config.up)
+                about = f"{100 * view['missing']:.0f} % missing"
+                row.append(ScanView(scan.points, scan.normals, f"τ = {threshold:g}", about))
+        rows.append((str(pose), row))
+    what = f"{views['views'].iloc[0]} views; what shows through a hole is the inside, in grey."
+    return _saved(scans(rows, up), folder, f"scans-{_file_name(dataset)}", dataset, what)
+
+
+def _pair(maker: PairMaker, rows: pd.DataFrame, name: str, folder: Path) -> Picture:
+    first = rows.iloc[0]
+    figure = correspondence(maker.make(rows))
+    title = f"{first['dataset']}: {first['source_pose']} → {first['target_pose']}"
+    seed = f", seed {first['seed']}" if int(first["seed"]) else ""
+    group = f"{first['dataset']}, {first['regime']}"
+    return _saved(figure, folder, name, title, f"{first['regime']}{seed}.", group)
+
+
+def _saved(figure: Figure, folder: Path, name: str, title: str, caption: str, group: str = "") -> Picture:
+    save(figure, folder, name)
+    return Picture(name, title, caption, float(figure.get_figwidth()), group)
+
+
+def _file_name(text: str) -> str:
+    return "".join(c if c.isalnum() or c in "-_" else "-" for c in text)

@@ -1,0 +1,86 @@
+"""The report: every figure and table of a results folder, and one page that shows them."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from datasets_gen.records import atomic_path
+from evaluation.results.store import ResultsStore
+from reports.page.freshness import PAIRS, note_made
+from reports.page.page import PageData, render_page
+from reports.page.pictures import Drawing, drawn, figure_jobs, pair_groups
+from reports.tables import leaderboard as tables
+
+Progress = Callable[[str, int, int], None]
+
+
+def build(
+    results_folder: str | os.PathLike[str],
+    out: str | os.PathLike[str] | None = None,
+    *,
+    pairs: int | None = PAIRS,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Path:
+    """Write tables (md, tex, csv), figures (pdf, png) and ``index.html`` of a run.
+
+    Parameters
+    ----------
+    results_folder
+        Made by `evaluation.run`.
+    out
+        Folder of the report, by default ``report`` in the results folder; files there are replaced.
+    pairs
+        Largest number of pairs of scans to draw, spread evenly over data sets and regimes; None for all.
+    jobs
+        Processes that draw. With more than one, a script that calls this needs the usual
+        ``if __name__ == "__main__":``, as they are started afresh.
+    progress
+        Called after each figure: what it shows, the number of finished figures and of all.
+
+    Returns
+    -------
+    Path
+        Of ``index.html``. It refers to files beside it only and needs no network.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no results, or `out` cannot be written.
+    """
+    store = ResultsStore(results_folder)
+    table = tables.plain(store.table())
+    folder = Path(out) if out is not None else Path(results_folder) / "report"
+    data = PageData(
+        info=store.run_info(),
+        settings=store.settings,
+        table=table,
+        leaderboard=tables.leaderboard(table, tables.ceilings(store.settings)),
+        stability=tables.stability(table),
+        failures=store.failures(),
+    )
+    _write_tables(data, folder / "tables")
+    figures = folder / "figures"
+    todo = figure_jobs(store, table, figures, pairs)
+    for done, (job, picture) in enumerate(drawn(todo, Drawing(store.folder, figures, pairs), jobs)):
+        data.pictures.setdefault(job.section, []).append(picture)
+        if progress:
+            progress(job.label, done + 1, len(todo))
+    shown = len(data.pictures.get("pairs", []))
+    data.pairs_left_out = len(pair_groups(table[table["kind"] == "matching"])) - shown
+    index = folder / "index.html"
+    with atomic_path(index) as temporary:
+        temporary.write_text(render_page(data), encoding="utf-8")
+    note_made(store, folder, pairs)
+    return index
+
+
+def _write_tables(data: PageData, folder: Path) -> None:
+    for name, table, columns, group in (
+        ("correspondence", data.leaderboard, tables.LEADERBOARD, tables.GROUP),
+        ("stability", data.stability, tables.STABILITY, tables.STABILITY_GROUP),
+    ):
+        if not table.empty:
+            tables.write(table, columns, group, folder, name)
+    with atomic_path(folder / "scores.csv") as temporary:
+        data.table.to_csv(temporary, index=False)

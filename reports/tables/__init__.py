@@ -1,0 +1,1 @@
+"""Tables, the leaderboard and paired tests."""

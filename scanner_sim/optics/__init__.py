@@ -1,0 +1,1 @@
+"""Camera, viewpoints, laser stripe, sensor, peak fit and triangulation."""

@@ -1,0 +1,1 @@
+"""What is written of a scan: exports and previews."""

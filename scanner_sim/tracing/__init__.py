@@ -1,0 +1,1 @@
+"""Rays with Mitsuba: variants, scenes, materials, brute-force rendering."""

@@ -1,0 +1,235 @@
+"""Mitsuba scenes of a shape, and the two ways to ask them what camera and laser see.
+
+`Renderer` serves every variant: two tiny renders per view, at millions of rays a second in the scalar variant
+too. In one the mesh glows with the number of each face; in the other a point light stands at the laser, so a
+pixel's radiance is BSDF times cosine over the squared distance, and 0 where the shadow ray is blocked.
+`Wavefront` serves the vectorised variants: arrays of rays through one kernel, compiled once.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.shape import Shape
+from scanner_sim.config import ScannerConfig
+from scanner_sim.optics.camera import Window, camera_rays, undistorted
+from scanner_sim.tracing.materials import Attributes
+from scanner_sim.tracing.rig_frame import vertex_normals
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Pixels of a window whose camera ray hits the object.
+
+    Attributes
+    ----------
+    pixels : (n, 2) int32
+        Column and row in the whole image.
+    face_ids : (n,) int32
+    light : (n,) float64
+        BSDF times cosine times pi, divided by the squared distance to the laser if `falls_off`; 0 in shadow.
+    falls_off : bool
+    """
+
+    pixels: NDArray[np.int32]
+    face_ids: NDArray[np.int32]
+    light: NDArray[np.float64]
+    falls_off: bool
+
+
+def build_mesh(
+    mi: Any,
+    shape: Shape,
+    vertices: NDArray[np.float64],
+    shading: str,
+    surface: Any,
+    attributes: Attributes | None = None,
+) -> Any:
+    """Mitsuba's copy of a mesh.
+
+    Parameters
+    ----------
+    mi
+        Mitsuba with its variant set.
+    shape
+        Gives the faces, and the normals where shading is smooth.
+    vertices : (v, 3)
+        Positions in the rig, mm.
+    shading
+        ``"smooth"`` or ``"flat"``.
+    surface
+        A Mitsuba BSDF; None lets the mesh glow with face numbers counted from 1.
+    attributes
+        For textures of the surface.
+    """
+    extra = dict(attributes or {})
+    uv = extra.pop("vertex_uv", None)
+    properties = mi.Properties()
+    if surface is None:
+        number = {"type": "mesh_attribute", "name": "face_number"}
+        properties["emitter"] = mi.load_dict({"type": "area", "radiance": number})
+        extra = {"face_number": np.arange(1.0, len(shape.faces) + 1)}
+    else:
+        properties["bsdf"] = surface
+    smooth = shading == "smooth" and surface is not None
+    properties["face_normals"] = not smooth
+    size = len(vertices), len(shape.faces)
+    options = {"has_vertex_normals": smooth, "has_vertex_texcoords": uv is not None}
+    mesh = mi.Mesh("object", *size, props=properties, **options)
+    for name, values in extra.items():
+        array = np.asarray(values, np.float32)
+        mesh.add_attribute(name, array.size // len(array), array.ravel())
+    parameters = mi.traverse(mesh)
+    parameters["vertex_positions"] = vertices.astype(np.float32).ravel()
+    parameters["faces"] = shape.faces.astype(np.uint32).ravel()
+    if smooth:
+        parameters["vertex_normals"] = vertex_normals(shape).astype(np.float32).ravel()
+    if uv is not None:
+        parameters["vertex_texcoords"] = np.asarray(uv, np.float32).ravel()
+    parameters.update()
+    return mesh
+
+
+def build_scene(mi: Any, mesh: Any, emitter: dict[str, Any] | None = None) -> Any:
+    """Scene of a mesh and, if given, the emitter ``"laser"``; robust for thin features."""
+    scene: dict[str, Any] = {"type": "scene", "object": mesh}
+    if not mi.variant().startswith("cuda"):  # which traces with OptiX, not Embree
+        scene["embree_use_robust_intersections"] = True
+    if emitter is not None:
+        scene["laser"] = emitter
+    return mi.load_dict(scene)
+
+
+def sensor(mi: Any, config: ScannerConfig, pose: NDArray[np.float64], window: Window, paths: int = 1) -> Any:
+    """Pinhole camera that renders a window of the image: one ray through pixel centres, or more all over."""
+    flipped = pose @ np.diag([-1.0, -1.0, 1.0, 1.0])  # Mitsuba's camera has x to the left and y up
+    film = {
+        "type": "hdrfilm",
+        "width": config.resolution[0],
+        "height": config.resolution[1],
+        "crop_offset_x": window[0],
+        "crop_offset_y": window[1],
+        "crop_width": window[2],
+        "crop_height": window[3],
+        "pixel_format": "rgb",
+        "component_format": "float32",
+        "rfilter": {"type": "box"},
+    }
+    return mi.load_dict(
+        {
+            "type": "perspective",
+            "fov": config.field_of_view,
+            "fov_axis": "x",
+            "near_clip": 1e-3 * config.min_range,
+            "far_clip": 1e3 * config.max_range,
+            "to_world": mi.ScalarTransform4f(flipped.tolist()),
+            "film": film,
+            "sampler": {"type": "stratified", "jitter": paths > 1, "sample_count": paths},
+        }
+    )
+
+
+class Renderer:
+    """Faces and light by rendering; any variant, meant for the scalar one.
+
+    Parameters
+    ----------
+    mi
+        Mitsuba with its variant set.
+    config
+    mesh
+        With its material.
+    glowing
+        The same with face numbers as light.
+    """
+
+    def __init__(self, mi: Any, config: ScannerConfig, mesh: Any, glowing: Any) -> None:
+        self.config = config
+        point = {"type": "point", "position": [0.0, 0.0, 1000.0], "intensity": 1.0}
+        self.scene = build_scene(mi, mesh, point)
+        self.faces = build_scene(mi, glowing)
+        self.parameters = mi.traverse(self.scene)
+        self.direct = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
+        self.emission = mi.load_dict({"type": "path", "max_depth": 1})
+
+    def look(self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window) -> Seen:
+        """Trace the pixels of a window; `laser` is the (3,) position in the rig."""
+        if any(self.config.distortion):
+            return self._one_by_one(mi, pose, laser, window)
+        camera = sensor(mi, self.config, pose, window)
+        self.parameters["laser.position"] = laser.tolist()
+        self.parameters.update()
+        number = np.array(self.emission.render(self.faces, sensor=camera, spp=1))[..., 0]
+        light = np.array(self.direct.render(self.scene, sensor=camera, spp=1))[..., 0]
+        row, column = np.nonzero(number)
+        pixels = np.stack([column + window[0], row + window[1]], axis=1).astype(np.int32)
+        returned = np.pi * light[row, column].astype(np.float64)
+        return Seen(pixels, number[row, column].astype(np.int32) - 1, returned, falls_off=True)
+
+    def _one_by_one(
+        self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window
+    ) -> Seen:
+        """Trace rays that no Mitsuba sensor has; some 20 microseconds each."""
+        column, row = np.meshgrid(np.arange(window[2]) + window[0], np.arange(window[3]) + window[1])
+        pixels = np.stack([column.ravel(), row.ravel()], axis=1).astype(np.int32)
+        toward = camera_rays(pixels, self.config) @ pose[:3, :3].T
+        toward /= np.linalg.norm(toward, axis=1, keepdims=True)
+        eye, place, context = mi.Point3f(pose[:3, 3].tolist()), mi.Point3f(laser.tolist()), mi.BSDFContext()
+        faces, light = np.zeros(len(pixels), np.int32), np.zeros(len(pixels))
+        for k, direction in enumerate(toward.tolist()):
+            hit = self.scene.ray_intersect(mi.Ray3f(eye, mi.Vector3f(direction)))
+            if not hit.is_valid() or hit.wi.z <= 0:
+                continue
+            faces[k] = hit.prim_index + 1
+            if not self.scene.ray_test(hit.spawn_ray_to(place)):
+                away = place - hit.p
+                wanted = hit.to_local(away / float(np.linalg.norm(np.array(away))))
+                light[k] = np.pi * hit.bsdf().eval(context, hit, wanted)[0]
+        kept = np.flatnonzero(faces)
+        return Seen(pixels[kept], faces[kept] - 1, light[kept], falls_off=False)
+
+
+class Wavefront:
+    """Faces and light by arrays of rays; LLVM and CUDA variants. Parameters as in `Renderer`."""
+
+    def __init__(self, mi: Any, config: ScannerConfig, mesh: Any, glowing: Any = None) -> None:
+        self.config = config
+        self.scene = build_scene(mi, mesh)
+
+    def look(self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window) -> Seen:
+        """Trace the pixels of a window; `laser` is the (3,) position in the rig."""
+        import drjit as dr
+
+        width, height = self.config.resolution
+        focal = self.config.focal
+        # a table, not literals: literals would be compiled into the kernel, anew for each view
+        numbers = [*pose[:3].ravel(), *laser, (0.5 + window[0] - width / 2) / focal]
+        numbers += [(0.5 + window[1] - height / 2) / focal, 1 / focal, *self.config.distortion]
+        table = mi.Float([float(x) for x in numbers])
+        size = window[2] * window[3]
+        values = [dr.gather(mi.Float, table, dr.full(mi.UInt32, k, size)) for k in range(len(numbers))]
+        columns = dr.opaque(mi.UInt32, window[2])
+        m, place, (x0, y0, pitch, k1, k2) = values[:12], mi.Point3f(values[12:15]), values[15:]
+        index = dr.arange(mi.UInt32, size)
+        row = index // columns
+        x = x0 + pitch * mi.Float(index - row * columns)
+        y = y0 + pitch * mi.Float(row)
+        if any(self.config.distortion):
+            x, y = undistorted(x, y, k1, k2)
+        toward = mi.Vector3f(*(m[4 * k] * x + m[4 * k + 1] * y + m[4 * k + 2] for k in range(3)))
+        ray = mi.Ray3f(mi.Point3f(m[3], m[7], m[11]), dr.normalize(toward))
+        hit = self.scene.ray_intersect(ray)
+        found = hit.is_valid() & (hit.wi.z > 0)
+        wanted = hit.to_local(dr.normalize(place - hit.p))
+        free = found & ~self.scene.ray_test(hit.spawn_ray_to(place), found)
+        returned = hit.bsdf(ray).eval(mi.BSDFContext(), hit, wanted, free)[0]
+        light = dr.select(free, returned * dr.pi, 0)
+        number = dr.select(found, hit.prim_index + 1, 0)
+        dr.eval(light, number)
+        faces = np.array(number).astype(np.int32)
+        kept = np.flatnonzero(faces)
+        pixels = np.stack([kept % window[2] + window[0], kept // window[2] + window[1]], axis=1)
+        received = np.array(light)[kept].astype(np.float64)
+        return Seen(pixels.astype(np.int32), faces[kept] - 1, received, falls_off=False)

@@ -1,0 +1,195 @@
+"""The built-in bodies as their users see them."""
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+from datasets_gen import check_mesh, load, load_folder, mirror_map, names, write_collection
+from datasets_gen.bodies.body_plan import build
+from datasets_gen.checks import edge_face_counts, signed_volume
+from datasets_gen.registry import BUILT_IN
+from tests.datasets_gen.overlap import buried_fraction, crossing_faces
+from tests.datasets_gen.test_remesh import smallest_angles
+
+POSES = {
+    "human": {"rest", "tpose", "arms_up", "walk", "run", "sit", "crouch", "bend", "twist", "lunge"},
+    "quadruped": {
+        "stand",
+        "walk",
+        "trot",
+        "gallop_extended",
+        "gallop_collected",
+        "graze",
+        "rear",
+        "turn_head",
+    },
+}
+POSES["human_asymmetric"] = POSES["human"]
+FLIP = np.array([-1.0, 1, 1])
+
+bodies = pytest.mark.parametrize("name", names())
+
+
+@bodies
+def test_rest_pose_is_a_well_shaped_closed_surface_in_one_piece(name):
+    rest = load(name).reference
+    assert check_mesh(rest) == ()
+    assert 10_000 <= len(rest.vertices) <= 15_000
+    counts = edge_face_counts(rest.faces)
+    assert (counts == 2).all()
+    assert len(rest.vertices) - len(counts) + len(rest.faces) == 2  # genus 0
+    angles = smallest_angles(rest.vertices, rest.faces)
+    assert angles.min() > 10
+    assert np.quantile(angles, 0.01) > 30
+    assert np.bincount(rest.faces.ravel()).max() <= 12
+    assert rest.units == "m"
+
+
+@bodies
+def test_poses_are_sound_and_keep_volume_area_and_lengths(name):
+    body = load(name)
+    rest = body.reference
+    assert POSES[name] <= {s.pose for s in body.shapes}
+    assert body.shapes[0] is rest
+    volume = signed_volume(rest.vertices, rest.faces)
+    edges = rest.vertices[rest.faces] - np.roll(rest.vertices[rest.faces], 1, axis=1)
+    for shape in body.shapes:
+        assert shape.faces is rest.faces or np.array_equal(shape.faces, rest.faces)
+        assert check_mesh(shape) == ()
+        assert shape.vertices[:, 1].min() == pytest.approx(0)  # stands on the ground
+        assert 0.90 < signed_volume(shape.vertices, shape.faces) / volume < 1.10
+        assert 0.93 < shape.area / rest.area < 1.10
+        posed = shape.vertices[shape.faces] - np.roll(shape.vertices[shape.faces], 1, axis=1)
+        stretch = np.linalg.norm(posed, axis=2) / np.linalg.norm(edges, axis=2)
+        assert np.quantile(stretch, 0.01) > 0.6
+        assert np.quantile(stretch, 0.99) < 1.85
+        assert 0.97 < np.median(stretch) < 1.03
+
+
+@bodies
+def test_poses_differ_from_one_another(name):
+    """Apart from where they stand, by at least a joint's worth of motion."""
+    shapes = load(name).shapes
+    for i, first in enumerate(shapes):
+        for second in shapes[:i]:
+            a, b = (s.vertices - s.vertices.mean(axis=0) for s in (first, second))
+            assert np.linalg.norm(a - b, axis=1).max() > 0.15
+
+
+@bodies
+def test_poses_hardly_cut_themselves(name):
+    for shape in load(name).shapes:
+        assert crossing_faces(shape).mean() < (0 if shape.pose in ("rest", "stand") else 0.005) + 1e-12, (
+            shape.name
+        )
+
+
+@pytest.mark.slow
+@bodies
+def test_poses_are_not_inside_themselves(name):
+    for shape in load(name).shapes:
+        assert buried_fraction(shape) <= 0.01, shape.name
+
+
+def test_overlap_measures_see_an_overlap():
+    """Two spheres that share a lens: known share of buried area, and crossings only at the seam."""
+    from tests.datasets_gen.meshes import shape, sphere
+
+    ball, gap = sphere(3), 1.2
+    vertices = np.concatenate([ball.vertices, ball.vertices + np.array([gap, 0, 0])])
+    pair = shape(vertices, np.concatenate([ball.faces, ball.faces + len(ball.vertices)]))
+    assert buried_fraction(pair, samples=1500) == pytest.approx((1 - gap / 2) / 2, abs=0.04)
+    crossed = crossing_faces(pair)
+    middle = pair.vertices[pair.faces].mean(axis=1)
+    assert crossed.any()
+    assert np.abs(middle[crossed, 0] - gap / 2).max() < 0.15
+    assert not crossing_faces(ball).any()
+    assert buried_fraction(ball) == 0
+
+
+@pytest.mark.parametrize("name", ["human", "quadruped"])
+def test_mirror_map_is_exact(name):
+    body = load(name)
+    everyone = np.arange(len(body.mirror))
+    assert np.array_equal(body.mirror[body.mirror], everyone)
+    assert body.reference.vertices[body.mirror] == pytest.approx(body.reference.vertices * FLIP, abs=1e-12)
+    mapped = np.sort(body.mirror[body.reference.faces], axis=1)
+    assert {tuple(f) for f in mapped} == {tuple(f) for f in np.sort(body.reference.faces, axis=1)}
+    assert np.array_equal(mirror_map(body.reference), body.mirror)
+
+
+def test_asymmetric_human_has_no_mirror_map():
+    body = load("human_asymmetric")
+    assert body.mirror is None
+    assert mirror_map(body.reference) is None
+    x = body.reference.vertices[:, 0]
+    assert x.max() > -x.min() + 0.03  # one arm is shorter
+
+
+@pytest.mark.parametrize("name", ["human", "quadruped"])
+def test_front_differs_from_back_and_feet_point_forward(name):
+    v = load(name).reference.vertices
+    feet = v[v[:, 1] < 0.05]
+    ankles = v[(v[:, 1] > 0.15) & (v[:, 1] < 0.20)]
+    for side in (1, -1):
+        foot, ankle = feet[feet[:, 0] * side > 0], ankles[ankles[:, 0] * side > 0]
+        assert foot[:, 2].max() > ankle[:, 2].max() + 0.02
+    head = v[v[:, 1] > 0.88 * v[:, 1].max()]
+    assert head[:, 2].max() > 0.09
+
+
+def test_proportions_are_those_of_their_kinds():
+    human, horse = (np.ptp(load(n).reference.vertices, axis=0) for n in ("human", "quadruped"))
+    assert human[1] == pytest.approx(1.75, abs=0.03)
+    assert human[0] > 1.2  # arms away from the body
+    assert horse[2] > 1.5
+    assert 1.8 < horse[1] < 2.3
+    assert horse[2] > 3 * horse[0]
+
+
+def test_written_body_is_read_back(tmp_path):
+    body = load("human", poses=["walk", "sit"])
+    write_collection(body, tmp_path)
+    found = load_folder(tmp_path)
+    assert found.subject == "human"
+    assert found.reference.pose == "rest"
+    assert {s.pose for s in found.shapes} == {"rest", "walk", "sit"}
+    assert np.array_equal(found["walk"].faces, body["walk"].faces)
+    assert found["walk"].vertices == pytest.approx(body["walk"].vertices, abs=1e-6)
+    assert np.array_equal(found.mirror, body.mirror)
+
+
+def test_canonical_points_follow_the_surface():
+    body = load("quadruped")
+    rng = np.random.default_rng(0)
+    faces = rng.integers(len(body.reference.faces), size=50)
+    weights = rng.dirichlet([1, 1, 1], size=50)
+    assert body.canonical(body["walk"], faces, weights) == pytest.approx(body.reference.at(faces, weights))
+
+
+@pytest.mark.slow
+@bodies
+@pytest.mark.parametrize("seed", [1])
+def test_other_seeds_give_other_sound_bodies(name, seed):
+    default, body = load(name).reference, build(BUILT_IN[name](seed))
+    rest = body.reference
+    assert 10_000 <= len(rest.vertices) <= 15_000
+    assert len(rest.vertices) - len(edge_face_counts(rest.faces)) + len(rest.faces) == 2
+    assert (
+        abs(signed_volume(rest.vertices, rest.faces) / signed_volume(default.vertices, default.faces) - 1)
+        > 0.005
+    )
+    for shape in body.shapes:
+        assert check_mesh(shape) == ()
+        assert crossing_faces(shape).mean() < 0.01
+
+
+@pytest.mark.slow
+@bodies
+def test_building_again_gives_the_same_body_whatever_the_blas_threads(name):
+    first = load(name)
+    with threadpool_limits(2):
+        second = build(BUILT_IN[name](0))
+    assert np.array_equal(first.reference.faces, second.reference.faces)
+    for a, b in zip(first.shapes, second.shapes, strict=True):
+        assert np.array_equal(a.vertices, b.vertices)

@@ -1,0 +1,161 @@
+import tomllib
+
+import pytest
+
+from datasets_gen import InputError
+from evaluation import preview
+from evaluation.experiment.experiment import Condition, Experiment, presets
+from evaluation.experiment.plan import make_plan, shape_tasks
+from evaluation.experiment.toml import dumps
+from scanner_sim import ScannerConfig
+
+SMALL = {
+    "name": "small",
+    "dataset": [{"name": "human", "poses": ["rest", "sit"]}],
+    "scan": {"points": 500, "scanner": {"noise": 0.1}},
+    "stability": {"sweep": {"threshold": [0.3, 0.8]}},
+    "matching": {"sweep": {"threshold": [0.5], "views": [2, 6]}},
+    "method": [{"name": "medial", "config": "paper"}],
+}
+
+
+def changed(**changes):
+    return Experiment.from_table({**SMALL, **changes})
+
+
+def test_sweeps_are_products_over_the_base_condition():
+    experiment = Experiment.from_table(SMALL)
+    conditions = dict(experiment.stability_conditions())
+    assert [c.threshold for c in conditions.values()] == [0.3, 0.8]
+    assert {c.points for c in conditions.values()} == {500}
+    regimes = experiment.regimes()
+    assert [(r.name, r.source.views) for r in regimes] == [
+        ("threshold 0.5, views 2", 2),
+        ("threshold 0.5, views 6", 6),
+    ]
+    assert all(r.source == r.target for r in regimes)
+    assert regimes[0].source.scanner == {"noise": 0.1}
+
+
+def test_one_side_and_the_scanner_can_be_swept():
+    sweep = {"target.rotation": [0.0, 90.0], "scanner.noise": [0.3]}
+    regimes = changed(matching={"sweep": sweep}).regimes()
+    assert [(r.source.rotation, r.target.rotation) for r in regimes] == [(0, 0), (0, 90)]
+    assert {r.source.scanner["noise"] for r in regimes} == {0.3}
+
+
+def test_named_regimes():
+    regimes = changed(matching={"regime": [{"name": "hard", "views": "opposed", "threshold": 0.9}]}).regimes()
+    assert [(r.name, r.source.views, r.target.threshold) for r in regimes] == [("hard", "opposed", 0.9)]
+
+
+def test_options_of_a_method_stand_beside_its_name():
+    method = Experiment.from_table(SMALL).method[0]
+    assert (method.label, method.options) == ("medial", {"config": "paper"})
+
+
+@pytest.mark.parametrize("name", presets())
+def test_presets_are_valid_and_survive_writing(name):
+    experiment = Experiment.load(name)
+    assert experiment.name == name
+    assert Experiment.from_table(tomllib.loads(dumps(experiment.as_dict()))) == experiment
+
+
+@pytest.mark.parametrize("name", presets())
+def test_presets_name_methods_and_scanners_that_exist(name, tmp_path):
+    experiment = Experiment.load(name)
+    conditions = [c for _, c in experiment.stability_conditions()]
+    conditions += [c for regime in experiment.regimes() for c in (regime.source, regime.target)]
+    for condition in {repr(c): c for c in conditions}.values():
+        ScannerConfig.from_dict({**condition.scanner, "views": condition.views})
+    preview(experiment, tmp_path / "none")  # makes every method with its options
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"datset": []}, "unknown key 'datset'; did you mean 'dataset'"),
+        ({"scan": {"tresholds": 0.1}}, r"\[scan\]: unknown key 'tresholds'; did you mean 'threshold'"),
+        ({"scan": {"threshold": 0}}, r"threshold must lie in \(0, 1\], got 0"),
+        ({"scan": {"threshold": 1.5}}, r"threshold must lie in \(0, 1\], got 1.5"),
+        ({"scan": {"points": 0}}, "points must be a positive number, got 0"),
+        ({"scan": {"scanner": {"views": 3}}}, "views"),
+        ({"matching": {"sweep": {"thresold": [1]}}}, "unknown key 'thresold'; did you mean 'threshold'"),
+        ({"matching": {"sweep": {"threshold": 0.1}}}, "must be a list"),
+        ({"matching": {"pairs": "every"}}, "got 'every'"),
+        ({"stability": {"operators": ["medal"]}}, "unknown operator 'medal'; did you mean 'medial'"),
+        ({"method": []}, "nothing to match with"),
+        ({"method": [{"name": "heat"}, {"name": "heat"}]}, "two methods are called 'heat'"),
+        ({"method": [{"label": "x"}]}, "needs a name"),
+        ({"dataset": []}, "nothing to scan"),
+        ({"dataset": {"name": "human"}}, "two brackets|must be|needs"),
+        ({"seeds": 3}, "list of integers"),
+        ({"timeout": 0}, "timeout must be positive"),
+        ({"stability": None, "matching": None}, "nothing to measure"),
+    ],
+)
+def test_what_cannot_be_used_is_named(changes, message):
+    with pytest.raises(InputError, match=message) as error:
+        changed(**changes)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"scan": {"scanner": {"nois": 0.1}}}, "unknown key 'nois'; did you mean 'noise'"),
+        ({"matching": {"sweep": {"scanner.stripe": [3]}}}, "unknown key 'stripe'; did you mean 'stripes'"),
+        ({"scan": {"views": 0}}, "views"),
+        ({"operators": {"medial": {"etta": 0.5}}}, "unknown key 'etta'; did you mean 'eta'"),
+        ({"operators": {"medial": {"eta": 2}}}, "eta"),
+        ({"operators": {"medial": {"device": "gpu"}}}, "unknown device 'gpu'; choose one of cpu, cuda, llvm"),
+        ({"method": [{"name": "medial", "settings": {"landmark": 3}}]}, "did you mean 'landmarks'"),
+        ({"method": [{"name": "medial", "config": "papr"}]}, "unknown config 'papr'; did you mean 'paper'"),
+        ({"method": [{"name": "cpd", "bta": 1}]}, "unknown key 'bta'; did you mean 'beta'"),
+    ],
+)
+def test_what_is_passed_on_is_checked_before_anything_runs(changes, message, tmp_path):
+    with pytest.raises(InputError, match=message) as error:
+        preview(changed(**changes), tmp_path / "none")
+    assert "\n" not in str(error.value)
+
+
+def test_unknown_presets_and_files(tmp_path):
+    with pytest.raises(InputError, match="unknown preset 'quik'; did you mean 'quick'"):
+        Experiment.load("quik")
+    with pytest.raises(InputError, match="cannot read"):
+        Experiment.load(tmp_path / "none.toml")
+    bad = tmp_path / "bad.toml"
+    bad.write_text("name = ")
+    with pytest.raises(InputError, match="not valid TOML"):
+        Experiment.load(bad)
+
+
+def test_folders_are_meant_from_beside_the_file(tmp_path):
+    (tmp_path / "meshes").mkdir()
+    file = tmp_path / "mine.toml"
+    file.write_text('[[dataset]]\nname = "meshes"\n[stability]\n')
+    experiment = Experiment.load(file)
+    assert experiment.name == "mine"
+    assert experiment.dataset[0].name == str(tmp_path / "meshes")
+
+
+def test_a_condition_keeps_what_is_not_replaced():
+    base = Condition(threshold=0.4, scanner={"noise": 0.2, "stripes": 10})
+    found = base.with_values({"scanner.noise": 0.5, "views": 3})
+    assert (found.threshold, found.views, found.scanner) == (0.4, 3, {"noise": 0.5, "stripes": 10})
+
+
+def test_keys_depend_on_the_device_only_where_one_is_named(small):
+    """A result of another device differs in its last digits, so it is another result."""
+
+    def keys(**operators):
+        experiment = small(operators={"modes": 30, **operators})
+        shapes = shape_tasks(experiment)
+        about = {"subject": "s", "poses": ["a", "b"], "reference": "a"}
+        plan = make_plan(experiment, shapes, dict.fromkeys(shapes, about))
+        return {task.key for task in plan.tasks.values() if task.stage == "operator" and "heat" in task.label}
+
+    assert keys()
+    assert not keys() & keys(heat={"device": "llvm"})
+    assert not keys(heat={"device": "cuda"}) & keys(heat={"device": "llvm"})

@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from datasets_gen import InputError
+from evaluation.metrics.correspondence import (
+    CURVE,
+    SurfacePoints,
+    area_under_curve,
+    correspondence_error,
+    intersection_over_union,
+    overlap,
+    pck_curve,
+    symmetric_mean,
+)
+from evaluation.metrics.geodesic import SurfaceDistance
+from evaluation.metrics.mirror_images import closest_barycentrics, mirror_points
+from tests.evaluation.meshes import random_points, sphere
+
+BALL = sphere(3)
+DISTANCE = SurfaceDistance(BALL)
+
+
+def points(n, seed=0):
+    return SurfacePoints(*random_points(BALL, n, seed))
+
+
+def test_identity_has_no_error_and_unmatched_points_no_value():
+    cloud = points(30)
+    image = np.arange(30)
+    image[3] = -1
+    errors = correspondence_error(DISTANCE, cloud, cloud, image, BALL.area)
+    assert np.isnan(errors[3])
+    assert np.allclose(np.delete(errors, 3), 0)
+
+
+def test_error_of_the_antipodes_on_a_unit_sphere():
+    # half a great circle over sqrt(4 pi): pi / sqrt(4 pi) = 0.886
+    top = SurfacePoints(np.array([0]), np.array([[1.0, 0, 0]]))
+    opposite = np.linalg.norm(BALL.vertices + BALL.vertices[BALL.faces[0, 0]], axis=1).argmin()
+    face, corner = np.argwhere(BALL.faces == opposite)[0]
+    bottom = SurfacePoints(np.array([face]), np.eye(3)[[corner]])
+    error = correspondence_error(DISTANCE, top, bottom, np.array([0]), BALL.area)
+    assert error[0] == pytest.approx(np.pi / np.sqrt(4 * np.pi), rel=0.01)
+
+
+@pytest.mark.parametrize("image", [np.zeros(4, int), np.full(5, 5), np.full(5, -2)])
+def test_a_map_must_fit_its_clouds(image):
+    with pytest.raises(InputError, match="map"):
+        correspondence_error(DISTANCE, points(5), points(5), image, BALL.area)
+
+
+def test_errors_do_not_depend_on_the_unit_of_length():
+    from dataclasses import replace
+
+    large = replace(BALL, vertices=1000 * BALL.vertices)
+    image = np.random.default_rng(0).integers(20, size=20)
+    one = correspondence_error(DISTANCE, points(20), points(20, 1), image, BALL.area)
+    other = correspondence_error(SurfaceDistance(large), points(20), points(20, 1), image, large.area)
+    assert np.allclose(one, other, rtol=1e-9)
+
+
+@given(arrays(np.float64, st.integers(1, 50), elements=st.floats(0, 1)))
+def test_curve_against_counting(errors):
+    curve = pck_curve(errors)
+    assert np.allclose(curve, [(errors <= at).mean() for at in CURVE])
+    assert (np.diff(curve) >= 0).all()
+    assert 0 <= area_under_curve(curve) <= 1
+
+
+def test_curve_counts_unmatched_points_as_wrong():
+    assert pck_curve(np.array([0.0, np.nan]))[-1] == 0.5
+    assert area_under_curve(pck_curve(np.zeros(4))) == 1
+
+
+def test_one_choice_per_map_between_truth_and_mirror_image():
+    assert symmetric_mean(3.0, 1.0) == (1.0, True)
+    assert symmetric_mean(1.0, 3.0) == (1.0, False)
+
+
+def test_overlap_and_intersection_over_union():
+    line = np.column_stack([np.arange(10.0), np.zeros(10), np.zeros(10)])
+    assert overlap(line, line[:4], 1.0).tolist() == [True] * 5 + [False] * 5
+    some, other = np.array([1, 1, 0, 0], bool), np.array([1, 0, 1, 0], bool)
+    assert intersection_over_union(some, other) == pytest.approx(1 / 3)
+    assert intersection_over_union(some & ~some, some & ~some) == 1
+
+
+def test_mirror_images_on_a_symmetric_mesh():
+    reflected = BALL.vertices * [-1, 1, 1]
+    mirror = np.array([np.linalg.norm(BALL.vertices - p, axis=1).argmin() for p in reflected])
+    assert np.allclose(BALL.vertices[mirror], reflected)
+    cloud = points(200)
+    image = mirror_points(BALL, mirror, cloud)
+    assert np.allclose(image.on(BALL), cloud.on(BALL) * [-1, 1, 1], atol=1e-9)
+    assert np.allclose(mirror_points(BALL, mirror, image).on(BALL), cloud.on(BALL), atol=1e-9)
+
+
+def test_closest_point_of_a_triangle_against_sampling():
+    rng = np.random.default_rng(0)
+    triangles, where = rng.normal(size=(50, 3, 3)), rng.normal(size=(50, 3)) * 2
+    weights = closest_barycentrics(triangles, where)
+    assert np.allclose(weights.sum(1), 1)
+    assert (weights >= -1e-12).all()
+    found = np.linalg.norm(np.einsum("nc,ncd->nd", weights, triangles) - where, axis=1)
+    samples = rng.dirichlet([0.5] * 3, 20_000)
+    best = np.array(
+        [np.linalg.norm(samples @ t - p, axis=1).min() for t, p in zip(triangles, where, strict=True)]
+    )
+    assert (found <= best + 1e-9).all()
+    assert np.allclose(found, best, atol=0.05)

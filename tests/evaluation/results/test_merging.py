@@ -1,0 +1,72 @@
+import pandas as pd
+import pytest
+
+from datasets_gen import InputError
+from evaluation import merge_results, preview, run
+
+
+@pytest.fixture(scope="module")
+def halves(tmp_path_factory):
+    """Two runs that share one experiment by seed; and the experiment that covers both."""
+    made = {}
+
+    def get(small):
+        if not made:
+            root = tmp_path_factory.mktemp("halves")
+            stores = [run(small(seeds=[seed]), root / str(seed), jobs=1) for seed in (0, 1)]
+            made.update(stores=stores, whole=small(seeds=[0, 1]))
+        return made
+
+    return get
+
+
+def test_two_machines_make_one_table_and_nothing_is_left_to_run(small, halves, tmp_path):
+    made = halves(small)
+    merged = merge_results([store.folder for store in made["stores"]], tmp_path / "both")
+    assert preview(made["whole"], merged.folder).waiting == {}
+    expected = pd.concat([store.table() for store in made["stores"]], ignore_index=True)
+    pd.testing.assert_frame_equal(merged.table(), expected)
+    row = merged.table().query("kind == 'matching'").iloc[-1]
+    assert len(merged.matching(row.map_key)) == row.n_points
+    assert merged.collection(row.dataset).subject == "blob"
+    again = run(made["whole"], merged.folder, scheduler="tcp://nowhere:1")  # nothing to run: no cluster
+    assert len(again.table()) == len(expected)
+
+
+def test_a_folder_merged_with_itself_is_itself(small, halves, tmp_path):
+    store = halves(small)["stores"][0]
+    merged = merge_results([store.folder, store.folder], tmp_path / "same")
+    pd.testing.assert_frame_equal(merged.table(), store.table())
+
+
+def test_what_cannot_be_merged(small, halves, tmp_path, blobs):
+    stores = halves(small)["stores"]
+    with pytest.raises(InputError, match="holds files already"):
+        merge_results([stores[0].folder], stores[1].folder)
+    with pytest.raises(InputError, match=r"no readable experiment|no results"):
+        merge_results([tmp_path / "none"], tmp_path / "out")
+    with pytest.raises(InputError, match="nothing to merge"):
+        merge_results([], tmp_path / "out")
+
+
+def test_other_conditions_cannot_be_merged(small, halves, tmp_path):
+    from evaluation.experiment.toml import dumps
+
+    store, other = halves(small)["stores"][0], tmp_path / "other"
+    other.mkdir()
+    experiment = small(scan={"points": 200})
+    (other / "experiment.toml").write_text(dumps(experiment.as_dict()))
+    with pytest.raises(InputError, match="differ in 'scan'"):
+        merge_results([store.folder, other], tmp_path / "out")
+
+
+def test_different_results_for_one_row_are_refused(small, halves, tmp_path):
+    import shutil
+
+    store, other = halves(small)["stores"][0], tmp_path / "other"
+    shutil.copytree(store.folder, other)
+    table = store.table()
+    table["score_key"] = table["score_key"] + "x"
+    table.to_parquet(other / "table.parquet")
+    with pytest.raises(InputError, match="different results for blob"):
+        merge_results([store.folder, other], tmp_path / "out")

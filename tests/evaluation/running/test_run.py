@@ -1,0 +1,261 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from datasets_gen import InputError
+from evaluation import ResultsStore, preview, run
+from evaluation.experiment.toml import dumps
+from evaluation.results.store import TIMING
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def content(store):
+    """The table without what differs from run to run."""
+    return store.table().drop(columns=list(TIMING))
+
+
+class Counter:
+    """Progress that counts."""
+
+    def __init__(self):
+        self.planned, self.reports, self.stored = {}, [], 0
+
+    def begin(self, waiting, stored, workers, dashboard):
+        self.planned, self.stored = waiting, stored
+
+    def advance(self, report):
+        self.reports.append(report)
+
+    def end(self):
+        pass
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A finished run, shared: experiment, store, what progress was told."""
+    made = {}
+
+    def get(small):
+        if not made:
+            experiment, counter = small(), Counter()
+            store = run(experiment, tmp_path_factory.mktemp("run") / "results", jobs=1, progress=counter)
+            made.update(experiment=experiment, store=store, counter=counter)
+        return made
+
+    return get
+
+
+def test_a_run_ends_in_a_table(small, finished):
+    store = finished(small)["store"]
+    assert store.failures().empty
+    table = store.table()
+    eq18 = table[table.kind == "stability"]
+    assert len(eq18) == 1 + 3 * 2  # the reference itself, then poses x thresholds
+    itself = eq18[eq18.regime == "reference"]
+    assert itself.eq18.tolist() == [0]
+    assert itself.source_missing.tolist() == [0]
+    scans = eq18[eq18.regime != "reference"]
+    assert (scans.eq18 > 0).all()
+    low, high = (scans[scans.source_threshold == t] for t in (0.2, 0.7))
+    assert high.source_missing.mean() > low.source_missing.mean()
+    maps = table[table.kind == "matching"]
+    assert maps[["source_pose", "target_pose"]].to_numpy().tolist() == [["rest", "bent"], ["rest", "curled"]]
+    assert maps.geodesic_mean.between(0, 100).all()
+    assert (maps.geodesic_symmetric_mean <= maps.geodesic_mean).all()
+    assert maps.seconds_match.gt(0).all()
+    assert table.n_points.gt(0).all()
+
+
+def test_the_store_stands_by_itself(small, finished):
+    store = ResultsStore(finished(small)["store"].folder)
+    row = store.table().query("kind == 'matching'").iloc[0]
+    collection = store.collection(row.dataset)
+    scan, found = store.scan(row.source_scan), store.matching(row.map_key)
+    assert [shape.pose for shape in collection.shapes] == ["bent", "curled", "rest"]
+    assert len(found) == len(scan) == row.n_points
+    assert len(store.score(row.score_key)["curve"]) == 51
+    eq18 = store.table().query("kind == 'stability'").iloc[-1]
+    assert len(store.operator(eq18.source_operator)) == eq18.n_points
+    info = store.run_info()
+    assert info["versions"]["numpy"]
+    assert set(info["mitsuba_variants"]) <= {"scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb"}
+    assert len(info["mitsuba_variants"]) == 1
+    assert info["rows"] == info["rows_planned"] == len(store.table())
+    with pytest.raises(InputError, match="no data set 'cat'"):
+        store.collection("cat")
+
+
+def test_nothing_is_run_twice_and_nothing_started(small, finished):
+    made, counter = finished(small), Counter()
+    assert preview(made["experiment"], made["store"].folder).waiting == {}
+    before = made["store"].table()
+    again = run(made["experiment"], made["store"].folder, scheduler="tcp://nowhere:1", progress=counter)
+    assert counter.reports == []
+    pd.testing.assert_frame_equal(again.table(), before)
+
+
+def test_more_of_the_same_runs_only_what_is_new(small, finished):
+    made = finished(small)
+    sweep = {"threshold": [0.2, 0.7, 0.8]}
+    more = small(stability={"operators": ["heat"], "sweep": sweep, "pairs": 500})
+    waiting = preview(more, made["store"].folder).waiting
+    assert waiting == {"scan": 3, "operator": 3, "score": 3}  # no render, no map
+
+
+def test_a_result_cut_short_is_made_again(small, finished):
+    made = finished(small)
+    store = made["store"]
+    row = store.table().query("kind == 'matching'").iloc[0]
+    path = store.path("map", row.map_key)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    assert preview(made["experiment"], store.folder).waiting == {"map": 1}
+    note = store.path("score", row.score_key)
+    text = note.read_text()
+    note.write_text(text[:50])
+    assert preview(made["experiment"], store.folder).waiting == {"map": 1, "score": 1}
+    path.write_bytes(whole)
+    note.write_text(text)
+    assert preview(made["experiment"], store.folder).waiting == {}
+
+
+def test_preview_of_an_empty_folder(small, tmp_path):
+    found = preview(small(), tmp_path / "none")
+    assert found.waiting == {"shape": 1}
+    assert found.unknown == ("blob",)
+    assert not (tmp_path / "none").exists()
+
+
+def test_two_runs_cannot_share_a_folder(small, finished):
+    made = finished(small)
+    from evaluation.running.locking import lock
+
+    with (
+        lock(made["store"].folder),
+        pytest.raises(InputError, match=f"in use by process {os.getpid()}") as error,
+    ):
+        run(made["experiment"], made["store"].folder)
+    assert "\n" not in str(error.value)
+
+
+def test_a_folder_of_another_version(small, tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps({"format": 0}))
+    with pytest.raises(InputError, match="format 0"):
+        run(small(), tmp_path)
+
+
+def test_a_folder_that_cannot_be_written(small, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot write"):
+        run(small(), tmp_path / "file" / "results")
+
+
+def test_a_scheduler_that_is_not_there(small, tmp_path):
+    with pytest.raises(InputError, match="no Dask scheduler answers"):
+        run(small(), tmp_path / "results", scheduler="tcp://127.0.0.1:1")
+    assert [path.name for path in (tmp_path / "results").iterdir()] == [".lock"]
+
+
+def test_unknown_poses_and_methods_are_named(small, tmp_path, blobs):
+    with pytest.raises(InputError, match="unknown method 'medal'; did you mean 'medial'"):
+        preview(small(method=[{"name": "medal"}]), tmp_path)
+    with pytest.raises(InputError, match=r"unknown data set .* 'humn'; did you mean 'human'"):
+        run(small(dataset=[{"name": "humn"}]), tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
+TROUBLE = {
+    "raise": ("error", "RuntimeError: out of luck"),
+    "wrong": ("error", "target ids"),
+    "hang": ("timeout", "no result after 10 s"),
+    "die": ("crash", "took its worker down 2 times"),
+}
+
+
+@pytest.mark.slow
+def test_methods_that_fail_do_not_stop_the_sweep(small, tmp_path, method_file):
+    common = {"stability": None, "matching": {"pairs": [["rest", "bent"]]}}
+    methods = [
+        {"name": f"{method_file}:Nearest", "label": trouble or "fine", "trouble": trouble}
+        for trouble in (*TROUBLE, "")
+    ]
+    run(small(method=methods[-1:], **common), tmp_path / "results", jobs=2)  # compiles, without a hurry
+    counter = Counter()
+    experiment = small(method=methods, timeout=10.0, **common)
+    store = run(experiment, tmp_path / "results", jobs=2, progress=counter)
+    assert store.table().method.tolist() == ["fine"]
+    failures = store.failures()
+    for trouble, (kind, reason) in TROUBLE.items():
+        found = failures[failures.label == f"blob rest to bent {trouble}"]
+        assert found.kind.tolist() == [kind]
+        assert reason in found.reason.iloc[0]
+        follower = failures[failures.label == f"blob rest to bent {trouble} error"]
+        assert follower.kind.tolist() == ["blocked"]
+        assert "not run because of" in follower.reason.iloc[0]
+    assert len(failures) == 2 * len(TROUBLE)
+    assert len({report.task.key for report in counter.reports}) == len(counter.reports)
+
+
+SCRIPT = """
+import sys
+from evaluation import run
+if __name__ == "__main__":
+    run(sys.argv[1], sys.argv[2], jobs=int(sys.argv[3]))
+"""
+
+
+def launch(tmp_path, experiment, folder, jobs):
+    script, settings = tmp_path / "go.py", tmp_path / "experiment.toml"
+    script.write_text(SCRIPT)
+    settings.write_text(dumps(experiment.as_dict()))
+    command = [sys.executable, str(script), str(settings), str(folder), str(jobs)]
+    return subprocess.Popen(
+        command, env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.PIPE, start_new_session=True
+    )
+
+
+@pytest.mark.slow
+def test_killed_runs_go_on_to_the_same_table(small, finished, tmp_path):
+    made, folder = finished(small), tmp_path / "killed"
+    for signal_sent, results in ((signal.SIGKILL, 4), (signal.SIGINT, 9), (signal.SIGKILL, 14)):
+        process = launch(tmp_path, made["experiment"], folder, 2)
+        deadline = time.monotonic() + 120
+        while len(list(folder.glob("*/*.json"))) < results and process.poll() is None:
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        os.kill(process.pid, signal_sent)
+        process.wait(timeout=60)
+    store = run(made["experiment"], folder, jobs=2)
+    assert store.failures().empty
+    pd.testing.assert_frame_equal(content(store), content(made["store"]))
+
+
+@pytest.mark.slow
+def test_a_running_cluster_gives_the_same_table(small, finished, tmp_path):
+    from distributed import LocalCluster
+
+    made = finished(small)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        store = run(made["experiment"], tmp_path / "results", scheduler=cluster.scheduler_address)
+    pd.testing.assert_frame_equal(content(store), content(made["store"]))
+
+
+def test_missing_packages_are_named(small, tmp_path):
+    lacking = tmp_path / "lacking.py"
+    lacking.write_text(
+        "from dataclasses import dataclass\n"
+        "from evaluation.methods import Method\n"
+        "@dataclass(frozen=True, kw_only=True)\n"
+        "class Lacking(Method):\n"
+        "    requires = {'no_such_package': 'no-such-package'}\n"
+    )
+    found = preview(small(method=[{"name": f"{lacking}:Lacking", "label": "lacking"}]), tmp_path)
+    assert "pip install no-such-package" in found.unavailable["lacking"]

@@ -1,0 +1,135 @@
+import time
+
+import numpy as np
+import pytest
+
+from datasets_gen import InputError
+from evaluation.experiment.plan import shape_tasks
+from evaluation.results.store import ResultsStore
+from evaluation.running.tasks import Task
+from evaluation.running.worker import _Recent, peak_memory, run_task, single_thread, stage_of
+
+
+@pytest.fixture
+def shape_task(small):
+    return next(iter(shape_tasks(small()).values()))
+
+
+def test_a_task_is_stored_with_what_it_took(tmp_path, shape_task):
+    report = run_task(str(tmp_path), shape_task, "run", 60)
+    assert report.ok
+    record = ResultsStore(tmp_path).record("shape", shape_task.key)
+    assert record["seconds"] > 0
+    assert record["cpu_seconds"] > 0
+    assert record["info"]["poses"] == ["bent", "curled", "rest"]
+    assert record["spec"] == shape_task.spec
+    assert not list((tmp_path / "running").iterdir())
+
+
+def test_a_task_that_fails_says_why_and_leaves_no_result(tmp_path, shape_task):
+    bad = Task.of("shape", {"name": str(tmp_path / "none"), "options": {}}, {}, "none")
+    report = run_task(str(tmp_path), bad, "run", 60)
+    assert (report.ok, report.kind) == (False, "error")
+    assert "none" in report.reason
+    assert "\n" not in report.reason
+    assert ResultsStore(tmp_path).record("shape", bad.key) is None
+    assert (tmp_path / "failures" / f"{bad.key}.json").is_file()
+
+
+def test_a_later_success_clears_the_failure(tmp_path, shape_task):
+    failure = tmp_path / "failures" / f"{shape_task.key}.json"
+    failure.parent.mkdir()
+    failure.write_text("{}")
+    assert run_task(str(tmp_path), shape_task, "run", 60).ok
+    assert not failure.exists()
+
+
+def attempted(folder, task, run, attempt, dump=""):
+    (folder / "running").mkdir(exist_ok=True)
+    (folder / "running" / f"{task.key}.json").write_text(
+        f'{{"run": "{run}", "attempt": {attempt}, "pid": 1}}'
+    )
+    (folder / "running" / f"{task.key}.txt").write_text(dump)
+
+
+def test_what_took_workers_down_is_not_tried_for_ever(tmp_path, shape_task):
+    attempted(tmp_path, shape_task, "this", 2)
+    report = run_task(str(tmp_path), shape_task, "this", 60)
+    assert (report.kind, report.reason[:28]) == ("crash", "took its worker down 2 times")
+    assert run_task(str(tmp_path), shape_task, "this", 60).ok  # the note is cleared with the report
+
+
+def test_one_lost_attempt_may_have_been_bad_luck(tmp_path, shape_task):
+    attempted(tmp_path, shape_task, "this", 1)
+    assert run_task(str(tmp_path), shape_task, "this", 60).ok
+
+
+def test_a_time_out_counts_at_once(tmp_path, shape_task):
+    attempted(tmp_path, shape_task, "this", 1, "Timeout (0:00:05)!\nThread ...")
+    report = run_task(str(tmp_path), shape_task, "this", 5)
+    assert (report.kind, report.reason[:21]) == ("timeout", "no result after 5 s; ")
+
+
+def test_attempts_of_earlier_runs_do_not_count(tmp_path, shape_task):
+    attempted(tmp_path, shape_task, "earlier", 2, "Timeout")
+    assert run_task(str(tmp_path), shape_task, "this", 60).ok
+
+
+def test_a_disk_that_is_full_is_reported(tmp_path, shape_task, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("evaluation.results.store.write_json", full)
+    report = run_task(str(tmp_path), shape_task, "run", 60)
+    assert (report.ok, report.reason) == (False, "OSError: [Errno 28] No space left on device")
+
+
+def test_roles_name_their_stage():
+    roles = ("shape", "render", "map", "source_scan", "scan", "reference_medial", "source_heat", "operator")
+    stages = ["shape", "render", "map", "scan", "scan", "operator", "operator", "operator"]
+    assert [stage_of(role) for role in roles] == stages
+
+
+def test_recent_values_are_kept_and_old_ones_let_go():
+    recent, made = _Recent(2), []
+
+    def make(name):
+        made.append(name)
+        return name
+
+    for name in "abac":
+        recent.get(name, lambda name=name: make(name))
+    assert made == ["a", "b", "c"]
+    recent.get("b", lambda: make("b"))
+    assert made == ["a", "b", "c", "b"]
+
+
+def test_peak_memory_of_a_block():
+    with peak_memory() as small_block:
+        np.ones(1000).sum()
+    with peak_memory() as large_block:
+        np.ones(25_000_000).sum()  # 200 MB
+    if small_block.megabytes is None:
+        pytest.skip("this system does not tell")
+    assert 150 < large_block.megabytes - small_block.megabytes < 260
+
+
+def test_one_thread_for_linear_algebra():
+    from threadpoolctl import threadpool_info
+
+    np.ones((2, 2)) @ np.ones((2, 2))
+    with single_thread():
+        assert {info["num_threads"] for info in threadpool_info() if info["user_api"] == "blas"} <= {1}
+
+
+def test_an_input_that_vanished_is_named(tmp_path):
+    render = Task.of("render", {"pose": "rest", "scanner": {}, "seed": 0}, {"shape": "gone"}, "lost")
+    report = run_task(str(tmp_path), render, "run", 60)
+    assert "gone" in report.reason
+    with pytest.raises(InputError):
+        ResultsStore(tmp_path).score("none")
+
+
+def test_the_watchdog_is_off_afterwards(tmp_path, shape_task):
+    assert run_task(str(tmp_path), shape_task, "run", 1).ok
+    time.sleep(1.2)  # would end this process

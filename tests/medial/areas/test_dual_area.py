@@ -1,0 +1,169 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from medial import dual_areas, medial_axis, similarity
+from medial.areas.dual_area import EPSILON, calibrated
+from medial.areas.hull_triangles import fan_area
+from tests.medial import clouds, slow_medial
+
+
+@pytest.fixture(scope="module")
+def figure():
+    points, normals = clouds.body(500, holes=4)
+    phi = similarity(points, normals)
+    return points, normals, phi, *medial_axis(points, normals, phi)
+
+
+def epsilon(points):
+    return EPSILON * cKDTree(points).query(points, k=2)[0][:, 1].mean()
+
+
+def test_medial_axis_equals_slow_version(figure):
+    points, normals, phi, centers, radii = figure
+    slow_centers, slow_radii = slow_medial.medial_axis(points, normals, phi.toarray())
+    some = slow_radii > 0
+    assert some.mean() > 0.9
+    assert centers[some] == pytest.approx(slow_centers[some], abs=1e-9)
+    assert radii[some] == pytest.approx(slow_radii[some], abs=1e-9)
+
+
+def test_sphere_has_one_center():
+    points, normals = clouds.sphere(300, radius=2.0)
+    centers, radii = medial_axis(points + 1, normals, similarity(points + 1, normals))
+    assert np.abs(centers - 1).max() < 1e-9
+    assert radii == pytest.approx(np.full(300, 2.0))
+
+
+def test_cylinder_has_its_axis():
+    points, normals = clouds.cylinder(1200)
+    centers, radii = medial_axis(points, normals, similarity(points, normals))
+    inner = np.abs(points[:, 2]) < 0.7
+    assert np.abs(centers[inner, :2]).max() < 0.03
+    assert radii[inner] == pytest.approx(np.full(inner.sum(), 0.3), rel=0.05)
+    assert np.abs(centers[inner, 2] - points[inner, 2]).mean() < 0.05
+
+
+def test_torus_has_its_circle():
+    points, normals = clouds.torus(1500)
+    centers, radii = medial_axis(points, normals, similarity(points, normals))
+    assert np.median(np.abs(np.linalg.norm(centers[:, :2], axis=1) - 1)) < 0.02
+    assert np.median(radii) == pytest.approx(0.3, rel=0.05)
+
+
+def test_points_without_similar_points_take_the_nearest_radius():
+    points, normals = clouds.sphere(60)
+    phi = similarity(points, normals).toarray()
+    phi[7], phi[:, 7] = 0, 0
+    centers, radii = medial_axis(points, normals, csr_array(phi))
+    assert radii[7] == pytest.approx(1)
+    assert centers[7] == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_without_any_similarity_the_center_is_the_point():
+    points, normals = clouds.sphere(60)
+    centers, radii = medial_axis(points, normals, csr_array((60, 60)))
+    assert (centers == points).all()
+    assert not radii.any()
+
+
+def test_dual_areas_equal_qhull(figure):
+    points, _, _, centers, radii = figure
+    slow = slow_medial.dual_areas(points, centers, radii, epsilon(points))
+    some = np.isfinite(slow)
+    assert some.mean() > 0.8
+    assert dual_areas(points, centers, radii)[some] == pytest.approx(slow[some], rel=1e-9)
+
+
+def test_concave_points_are_projected_to_their_ball():
+    """Points of a torus that face its axis are inside the hull of their neighbourhood."""
+    points, normals = clouds.torus(600)
+    centers, radii = medial_axis(points, normals, similarity(points, normals))
+    facing = np.linalg.norm(points[:, :2], axis=1) < 0.8
+    slow = slow_medial.dual_areas(points, centers, radii, epsilon(points))
+    assert facing.any()
+    assert np.isfinite(slow[facing]).all()
+    assert dual_areas(points, centers, radii)[facing] == pytest.approx(slow[facing], rel=1e-9)
+
+
+@pytest.mark.parametrize("radius", [0.01, 1.0, 50.0])
+def test_areas_of_a_sphere_sum_to_its_area(radius):
+    points, _ = clouds.sphere(800, radius)
+    areas = dual_areas(points, np.zeros((800, 3)), np.full(800, radius))
+    assert areas.sum() == pytest.approx(4 * np.pi * radius**2, rel=0.01)
+    assert areas == pytest.approx(np.full(800, areas.mean()), rel=0.3)  # a third of 5, 6 or 7 triangles
+
+
+def test_areas_fill_a_gap():
+    """Half a cylinder's side is missing: points along the rim stand for it, which surface areas cannot."""
+    points, normals = clouds.cylinder(1500)
+    kept = points[:, 0] > -0.1
+    points, normals = points[kept], normals[kept]
+    centers = points - 0.3 * normals
+    areas = dual_areas(points, centers, np.full(len(points), 0.3), normals)
+    rim, inner = points[:, 0] < -0.07, points[:, 0] > 0.1
+    assert np.median(areas[rim]) > 2 * np.median(areas[inner])
+
+
+def test_a_point_without_medial_neighbours_takes_its_surface_area():
+    points, normals = clouds.sphere(200)
+    centers = points.copy()
+    centers[1:] = 0
+    centers[0] = 40.0
+    areas = dual_areas(points, centers, np.ones(200), normals)
+    assert areas[0] == pytest.approx(areas[1:].mean(), rel=0.2)
+
+
+def test_calibrated_areas_have_the_median_of_the_surface():
+    random = np.random.default_rng(0)
+    surface, areas = random.uniform(1, 2, 101), random.uniform(1, 5, 101)
+    assert np.median(calibrated(areas, surface) / surface) == pytest.approx(1)
+
+
+def qhull_fan(offsets):
+    area = slow_medial.fan_area(np.concatenate([np.zeros((1, 3)), offsets]), 0)
+    return area
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, 10**6), st.integers(3, 60), st.floats(-0.9, 1.2))
+def test_fan_area_equals_qhull(seed, count, shift):
+    """Corners of the hull, points on its surface's inside and deep inside, by the shift."""
+    offsets = np.random.default_rng(seed).standard_normal((count, 3)) - [0, 0, shift]
+    fast, slow = fan_area(offsets), qhull_fan(offsets)
+    assert np.isnan(fast) == np.isnan(slow)
+    if not np.isnan(slow):
+        assert fast == pytest.approx(slow, rel=1e-9)
+
+
+def test_fan_area_of_a_cube_corner_is_three_half_faces():
+    corners = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    inside = 0.2 * corners + 0.1
+    assert fan_area(np.concatenate([corners, inside])) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    "offsets",
+    [
+        np.zeros((0, 3)),
+        np.eye(3)[:2],
+        np.zeros((9, 3)),
+        np.random.default_rng(0).standard_normal((20, 3)) * [1, 1, 0],
+        np.concatenate([np.eye(3), -np.eye(3)]),
+    ],
+    ids=["none", "two", "coinciding", "flat", "surrounded"],
+)
+def test_fan_area_without_a_corner(offsets):
+    assert np.isnan(fan_area(offsets))
+
+
+def test_threads_do_not_matter(figure, monkeypatch):
+    points, _, _, centers, radii = figure
+    results = []
+    for threads in (1, 3):
+        monkeypatch.setattr("datasets_gen.compiled.thread_count", lambda threads=threads: threads)
+        results.append(dual_areas(points, centers, radii))
+    assert (results[0] == results[1]).all()

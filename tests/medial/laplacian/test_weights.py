@@ -1,0 +1,100 @@
+import numpy as np
+import pytest
+from scipy.sparse import csr_array
+
+from medial import similarity, surface_areas
+from medial.laplacian.weights import NEAREST, combine, degrees, diffusion_rates, gaussian_weights, laplacian
+from medial.sparse import symmetric
+from tests.medial import clouds, slow_medial
+
+
+@pytest.fixture(scope="module")
+def weights():
+    points, normals = clouds.body(400)
+    areas = surface_areas(points, normals)
+    return similarity(points, normals), gaussian_weights(points, areas), areas
+
+
+def test_gaussian_weights_follow_their_formula():
+    points, normals = clouds.sphere(500)
+    areas = surface_areas(points, normals)
+    alpha, bandwidths = gaussian_weights(points, areas)
+    rows, cols = alpha.nonzero()
+    square = ((points[rows] - points[cols]) ** 2).sum(axis=1)
+    assert alpha.data == pytest.approx(np.exp(-square / bandwidths))
+    assert np.median(bandwidths) == pytest.approx(3 * areas.mean(), rel=0.03)
+    assert bandwidths == pytest.approx(np.full(len(square), 3 * areas.mean()), rel=0.3)
+    assert (alpha != alpha.T).nnz == 0
+
+
+def test_no_point_is_isolated():
+    points, normals = clouds.sphere(300)
+    points[0] *= 5
+    points[1] *= 40
+    alpha = gaussian_weights(points, surface_areas(points, normals)).weights
+    assert np.diff(alpha.indptr).min() >= NEAREST
+    assert alpha.max(axis=1).toarray().min() > 0.1
+
+
+@pytest.mark.parametrize("n", [8, 9, 20])
+def test_gaussian_weights_of_few_points(n):
+    alpha = gaussian_weights(clouds.sphere(n)[0], np.full(n, 4 * np.pi / n)).weights
+    assert np.diff(alpha.indptr).min() >= min(NEAREST, n - 1)
+
+
+@pytest.mark.parametrize("eta", [0.0, 0.3, 1.0])
+def test_combination_equals_slow_version(weights, eta):
+    phi, alpha, areas = weights
+    slow = slow_medial.combined(phi.toarray(), alpha.weights.toarray(), areas, eta)
+    assert combine(phi, alpha.weights, areas, eta).toarray() == pytest.approx(slow, abs=1e-12)
+
+
+def test_normalised_degrees():
+    phi, areas = csr_array(np.array([[5.0, 1, 2], [1, 0, 0], [2, 0, 0]])), np.array([1.0, 2, 3])
+    assert degrees(phi, areas) == pytest.approx([8, 1, 2])
+
+
+def test_zero_medial_degree_leaves_the_gaussian_part(weights):
+    phi, alpha, areas = weights
+    dense = phi.toarray()
+    dense[5], dense[:, 5] = 0, 0
+    sigma = combine(csr_array(dense), alpha.weights, areas).toarray()
+    assert np.isfinite(sigma).all()
+    assert sigma[5] == pytest.approx(slow_medial.combined(0 * dense, alpha.weights.toarray(), areas, 0.5)[5])
+
+
+def test_rates_do_not_change_the_reference():
+    assert diffusion_rates(np.array([3 * 2.0 / 1000]), 2.0, 1000) == pytest.approx([1])
+    assert diffusion_rates(np.array([3 * 2.0 / 4000]), 2.0, 1000) == pytest.approx([4])
+
+
+def test_laplacian_applies_equation_8(weights):
+    phi, _, areas = weights
+    f = np.random.default_rng(0).standard_normal(len(areas))
+    dense = phi.toarray()
+    expected = f * (dense @ areas) - dense @ (areas * f)
+    assert laplacian(phi, areas) @ f / areas == pytest.approx(expected, abs=1e-12)
+
+
+def test_laplacian_is_symmetric_semidefinite_and_kills_constants(weights):
+    phi, alpha, areas = weights
+    matrix = laplacian(combine(phi, alpha.weights, areas), areas).toarray()
+    assert matrix == pytest.approx(matrix.T, abs=1e-15)
+    assert matrix.sum(axis=1) == pytest.approx(np.zeros(len(areas)), abs=1e-12)
+    assert np.linalg.eigvalsh(matrix).min() > -1e-12
+
+
+def test_symmetric_from_pairs():
+    random = np.random.default_rng(0)
+    i, j = np.triu_indices(30, 1)
+    kept = random.uniform(size=len(i)) < 0.3
+    i, j = i[kept], j[kept]
+    swap = random.uniform(size=len(i)) < 0.5
+    i, j = np.where(swap, j, i), np.where(swap, i, j)
+    values = random.uniform(1, 2, len(i))
+    dense = np.zeros((30, 30))
+    dense[i, j], dense[j, i] = values, values
+    matrix = symmetric(i, j, values, 30)
+    assert (matrix.toarray() == dense).all()
+    rows = np.repeat(np.arange(30), np.diff(matrix.indptr))
+    assert (np.diff(rows * 30 + matrix.indices) > 0).all()

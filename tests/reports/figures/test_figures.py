@@ -1,0 +1,149 @@
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from evaluation.results.store import ResultsStore
+from reports.figures.accuracy import error_against_missing, pck
+from reports.figures.correspondence import Cloud, Pair, Panel, correspondence
+from reports.figures.dense_map import dense_map
+from reports.figures.diffusion_error import stability
+from reports.figures.scan_series import ScanView, scans
+from reports.figures.style import method_colors, method_lines, save
+from reports.method_order import METHODS, order_methods
+from reports.tables.leaderboard import plain
+
+
+@pytest.fixture(scope="module")
+def table(results):
+    return plain(ResultsStore(results).table())
+
+
+def cloud(n=60, seed=0):
+    normals = np.random.default_rng(seed).normal(size=(n, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals * [1, 2, 0.7], normals
+
+
+def lines(axes):
+    return {line.get_label(): line for line in axes.get_lines()}
+
+
+def test_stability_has_a_panel_per_operator_and_a_line_per_pose(table):
+    rows = table[(table["kind"] == "stability") & (table["dataset"] == "blob")]
+    figure = stability(rows)
+    panels = [axes for axes in figure.axes if axes.get_title(loc="left")]
+    assert [axes.get_title(loc="left") for axes in panels] == ["medial", "heat"]
+    drawn = lines(panels[1])
+    assert set(drawn) == {"rest", "bent"}
+    assert np.allclose(drawn["bent"].get_xydata(), [[0.3, 0.12], [0.8, 0.32]])
+    assert panels[0].get_ylim()[0] == 0
+    missing = [axes for axes in figure.axes if axes not in panels]
+    assert np.allclose(missing[0].get_lines()[0].get_ydata(), [15, 40])  # per cent
+
+
+def test_stability_has_a_row_per_number_of_views(table):
+    rows = table[(table["kind"] == "stability") & (table["dataset"] == "blob")]
+    import pandas as pd
+
+    figure = stability(pd.concat([rows, rows.assign(views="ring:4")]))
+    titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
+    assert titles == ["medial, 6 views", "heat, 6 views", "medial, ring:4 views", "heat, ring:4 views"]
+
+
+def test_pck_curves_keep_their_values_and_share_one_legend():
+    radii = np.linspace(0, 25, 6)
+    curves = {"a": {"heat": radii / 25, "medial": radii / 50}, "b": {"medial": radii / 50}}
+    figure = pck(curves, radii)
+    assert np.allclose(lines(figure.axes[0])["heat"].get_ydata(), 4 * radii)
+    assert list(lines(figure.axes[1])) == ["medial"]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["medial", "heat"]
+
+
+def test_errors_are_shown_at_the_missing_share(table):
+    figure = error_against_missing(table[table["kind"] == "matching"])
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["blob", "worm"]
+    dots = [line for line in figure.axes[0].get_lines() if line.get_marker() == "."]
+    assert len(dots) == 2
+    assert set(np.round(dots[0].get_xdata(), 6)) == {15, 40}
+
+
+def test_every_label_has_its_own_colour_and_known_methods_keep_theirs():
+    labels = ["heat kernel", "medial", "medial (paper)", "mine", "zzz", "robust"]
+    colors = method_colors(labels)
+    assert len(set(colors.values())) == len(labels)
+    assert colors["medial"] == METHODS["medial"]
+    assert colors["heat kernel"] == METHODS["heat"]
+    assert method_colors(["heat kernel"])["heat kernel"] == METHODS["heat"]
+    assert order_methods(labels) == ["medial", "medial (paper)", "heat kernel", "robust", "mine", "zzz"]
+
+
+def test_lines_of_one_colour_differ_in_their_dashes():
+    labels = [f"{number} step" for number in range(20)]
+    styles = method_lines(labels)
+    assert list(styles) == sorted(labels)
+    assert len({(style["color"], style["linestyle"]) for style in styles.values()}) == len(labels)
+    assert len({style["color"] for style in styles.values()}) < len(labels)
+
+
+def test_a_long_legend_leaves_the_panels_their_height():
+    radii = np.linspace(0, 25, 6)
+
+    def panel_height(methods):
+        figure = pck({"a": {f"{k} a method with a long label": radii / 25 for k in range(methods)}}, radii)
+        figure.draw_without_rendering()
+        return figure.axes[0].get_position().height * figure.get_figheight()
+
+    assert panel_height(20) > 0.9 * panel_height(3)
+
+
+@pytest.mark.parametrize("methods", [1, 2, 7])
+def test_pairs_show_all_methods(methods):
+    points, normals = cloud()
+    gray = np.full((len(points), 3), 0.5)
+    panel = [
+        Panel(f"method {i}", "mean 1", gray, np.zeros(len(points)), np.array([[0, 1], [2, 3]]))
+        for i in range(methods)
+    ]
+    side = Cloud(points, normals, "a pose")
+    figure = correspondence(Pair(side, side, gray, gray, tuple(panel)), height=60)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert [t for t in titles if t.startswith("method")] == [f"method {i}" for i in range(methods)]
+    assert len([axes for axes in figure.axes if axes.get_images()]) == 2 + 2 * methods
+    numbers = [
+        text.get_text() for axes in figure.axes for text in axes.texts if text.get_text() in ("1", "2")
+    ]
+    assert len(numbers) == 4 * methods  # both landmarks, on both sides
+
+
+def test_maps_without_truth_show_both_clouds_and_confidence():
+    points, normals = cloud()
+    side = Cloud(points, normals, "a.npz")
+    image = np.r_[-1, np.arange(1, len(points))]
+    figure = dense_map(side, side, image, np.linspace(0, 1, len(points)), np.array([[1, 1]]), height=60)
+    shown = [axes for axes in figure.axes if axes.get_images()]
+    assert [axes.get_title(loc="left") for axes in shown] == ["source", "target", "confidence"]
+    assert [[t.get_text() for t in axes.texts].count("1") for axes in shown] == [1, 1, 0]
+
+
+def test_scans_have_a_row_per_pose():
+    view = ScanView(*cloud(), title="τ = 0.3", note="15 % missing")
+    figure = scans([("rest", [view, view]), ("bent", [view, view])], height=60)
+    assert len([axes for axes in figure.axes if axes.get_images()]) == 4
+
+
+def test_figures_are_saved_as_pdf_and_png_twice_the_same(tmp_path):
+    def draw():
+        return pck({"a": {"medial": np.linspace(0, 1, 5)}}, np.linspace(0, 25, 5))
+
+    for folder in ("one", "two"):
+        save(draw(), tmp_path / folder, "figure")
+    files = sorted(path.name for path in (tmp_path / "one").iterdir())
+    assert files == ["figure.pdf", "figure.png"]
+    for name in files:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
+def test_the_callers_style_is_left_alone():
+    before = dict(mpl.rcParams)
+    pck({"a": {"medial": np.linspace(0, 1, 5)}}, np.linspace(0, 25, 5))
+    assert {**mpl.rcParams, "backend": None} == {**before, "backend": None}

@@ -1,0 +1,163 @@
+import re
+import shutil
+from html.parser import HTMLParser
+
+import pandas as pd
+import pytest
+
+import reports
+from datasets_gen import InputError
+from evaluation.results.store import ResultsStore
+from reports.page.page import headline
+from reports.page.pictures import chosen_pairs, pair_groups, scan_views, spread
+from reports.tables.leaderboard import plain
+from tests.reports.conftest import write_results
+
+
+class Page(HTMLParser):
+    """Links, headings and unbalanced tags of a page."""
+
+    VOID = ("meta", "img", "br", "link", "input")
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.ids, self.open, self.words = [], set(), [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        self.links += [attrs[name] for name in ("href", "src") if attrs.get(name)]
+        self.ids |= {attrs["id"]} if "id" in attrs else set()
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+@pytest.fixture(scope="module")
+def built(results, tmp_path_factory):
+    seen = []
+    out = tmp_path_factory.mktemp("report")
+    index = reports.build(results, out, pairs=3, progress=lambda *state: seen.append(state))
+    return index, Page(index.read_text()), seen
+
+
+def test_the_page_refers_to_files_beside_it_only_and_all_are_there(built):
+    index, page, _ = built
+    assert page.open == []
+    assert len(page.links) > 10
+    for link in page.links:
+        if link.startswith("#"):
+            assert link[1:] in page.ids
+        else:
+            assert "://" not in link
+            assert (index.parent / link).is_file(), link
+    assert "://" not in re.sub(r"<pre>.*?</pre>", "", index.read_text(), flags=re.S)
+
+
+def test_everything_asked_for_is_written(built):
+    names = {path.name for path in built[0].parent.rglob("*") if path.is_file()}
+    for figure in (
+        "error-missing",
+        "pck-blob",
+        "stability-blob",
+        "stability-worm",
+        "scans-blob",
+        "pair-001",
+        "pair-003",
+    ):
+        assert {f"{figure}.png", f"{figure}.pdf"} <= names
+    assert "pair-004.png" not in names
+    for table in ("correspondence", "stability"):
+        assert {f"{table}.md", f"{table}.tex", f"{table}.csv"} <= names
+    assert "scores.csv" in names
+    assert not [name for name in names if name.startswith(".")]
+
+
+def test_the_page_says_what_was_found(built):
+    words = " ".join(" ".join(built[1].words).split())
+    assert "Over all maps, medial diffusion has the lowest mean geodesic error, 3.5" in words
+    assert "best in 4 of 4 groups" in words
+    assert "5 more pairs are not drawn" in words
+    assert "two <poses>" in words  # escaped in the source, whole for the reader
+    assert "numpy" in words
+
+
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        (1.24, "heat and medial have the same mean geodesic error, 1.2 (× 100 / √area); of 2 groups"),
+        (1.4, "heat has the lowest mean geodesic error, 1.2 (× 100 / √area), ahead of medial with 1.4"),
+    ],
+)
+def test_the_headline_claims_no_more_than_its_digits(second, said):
+    rows = [
+        {"kind": "matching", "dataset": "blob", "regime": regime, "method": method, "geodesic_mean": mean}
+        | {"geodesic_median": mean, "pck_auc": 0.9, "flipped": False}
+        for regime in ("easy", "hard")
+        for method, mean in (("medial", second), ("heat", 1.19))
+    ]
+    assert said in headline(pd.DataFrame(rows))
+
+
+def test_progress_counts_to_the_end(built):
+    _, _, seen = built
+    done, total = seen[-1][1:]
+    assert done == total
+    assert [state[1] for state in seen] == list(range(1, total + 1))
+
+
+def test_failures_are_listed_with_their_reasons(tmp_path):
+    write_results(
+        tmp_path / "first", failures=[("k", "map", "blob rest to bent cpd", "error", "no <convergence>")]
+    )
+    folder = shutil.move(tmp_path / "first", tmp_path / "moved")  # results do not know where they lie
+    page = Page(reports.build(folder, pairs=0).read_text())
+    words = " ".join(page.words)
+    assert "no <convergence>" in words
+    assert "failures" in page.ids
+    assert (folder / "report" / "index.html").is_file()  # the default place
+
+
+def test_a_run_without_matching_has_a_page(tmp_path):
+    store = write_results(tmp_path)
+    table = store.table()
+    table[table["kind"] == "stability"].to_parquet(tmp_path / "table.parquet")
+    page = Page(reports.build(tmp_path).read_text())
+    assert "stability" in page.ids
+    assert "pairs" not in page.ids
+
+
+def test_a_folder_without_results_is_refused_in_one_line(tmp_path):
+    with pytest.raises(InputError, match="no results table") as caught:
+        reports.build(tmp_path, tmp_path / "out")
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_pairs_left_out_are_spread_over_data_sets_and_regimes(results):
+    maps = plain(ResultsStore(results).table())
+    maps = maps[maps["kind"] == "matching"]
+    assert len(pair_groups(maps)) == 8  # 2 subjects, 2 seeds, 2 thresholds
+    assert len(chosen_pairs(maps, None)) == 8
+    chosen = chosen_pairs(maps, 4)
+    kinds = {(rows.iloc[0]["dataset"], rows.iloc[0]["regime"]) for rows in chosen}
+    assert len(kinds) == 4
+    assert all(len(rows) == 2 for rows in chosen)  # both methods
+
+
+def test_scans_are_found_once_each(results):
+    views = scan_views(plain(ResultsStore(results).table()))
+    assert len(views) == 2 * 2 * 2  # subjects, poses, thresholds of the first seed
+    assert set(views["seed"]) == {0}
+
+
+def test_spread_keeps_both_ends():
+    assert spread([0.3, 0.1, 0.2], 6) == [0.1, 0.2, 0.3]
+    few = spread([i / 20 for i in range(20)], 6)
+    assert len(few) == 6
+    assert (few[0], few[-1]) == (0, 0.95)

@@ -1,0 +1,67 @@
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from reports.tables.statistics import holm, paired_tests, signed_rank
+
+
+def sweep(errors):
+    """Rows of a table: method to its errors on pairs 0, 1, ..."""
+    rows = [
+        {"kind": "matching", "dataset": "d", "regime": "r", "source_pose": "rest", "target_pose": f"p{i}",
+         "seed": 0, "method": method, "geodesic_mean": value}
+        for method, values in errors.items()
+        for i, value in enumerate(values)
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def test_a_method_that_always_wins_is_first_and_significant():
+    values = np.linspace(5, 9, 12)
+    found = paired_tests(sweep({"worse": values + 1, "better": values})).iloc[0]
+    assert (found["first"], found["second"]) == ("better", "worse")
+    assert found["difference"] == pytest.approx(1)
+    assert found["wins"] == 1
+    assert found["p"] == pytest.approx(2 / 2**12)  # the most extreme of all sign patterns, two-sided
+
+
+def test_few_pairs_say_nothing_about_significance():
+    found = paired_tests(sweep({"a": [1, 2, 3], "b": [2, 3, 4]})).iloc[0]
+    assert np.isnan(found["p"])
+    assert found["pairs"] == 3
+
+
+def test_only_pairs_that_both_matched_count():
+    table = sweep({"a": [1.0, 2, 3], "b": [2.0, 3]})
+    assert paired_tests(table).iloc[0]["pairs"] == 2
+
+
+def test_seeds_are_no_independent_pairs():
+    table = pd.concat([sweep({"a": [1.0, 2], "b": [2.0, 3]}).assign(seed=s) for s in range(10)])
+    assert paired_tests(table).iloc[0]["pairs"] == 2
+
+
+def test_one_method_has_nothing_to_be_compared_with():
+    assert paired_tests(sweep({"a": [1, 2]})).empty
+
+
+def test_equal_errors_are_no_difference():
+    assert np.isnan(signed_rank(np.zeros(20)))
+
+
+def test_holm_by_hand():
+    assert np.allclose(holm(np.array([0.01, 0.04, 0.03])), [0.03, 0.06, 0.06])
+
+
+@given(st.lists(st.one_of(st.floats(0, 1), st.just(float("nan"))), max_size=12))
+def test_corrected_p_values_are_larger_ordered_and_at_most_one(values):
+    p = np.array(values, float)
+    corrected = holm(p)
+    assert (np.isnan(p) == np.isnan(corrected)).all()
+    there = ~np.isnan(p)
+    assert (corrected[there] >= p[there]).all()
+    assert (corrected[there] <= 1).all()
+    order = np.argsort(p[there])
+    assert (np.diff(corrected[there][order]) >= 0).all()

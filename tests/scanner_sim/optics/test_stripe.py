@@ -1,0 +1,92 @@
+"""The light of the sheet against the formula and against every stripe evaluated at every point."""
+
+import numpy as np
+import pytest
+
+from scanner_sim import ScannerConfig
+from scanner_sim.optics import peak, stripe
+
+
+def points_before_camera(n=200, seed=0):
+    rng = np.random.default_rng(seed)
+    z = rng.uniform(80, 180, n)
+    return np.stack([rng.uniform(-0.35, 0.35, n) * z, rng.uniform(-0.35, 0.35, n) * z, z], axis=1)
+
+
+def test_wedge_is_the_gaussian_of_the_distance_to_the_sheet():
+    """Written out from points and planes, without angles."""
+    config = ScannerConfig()
+    points = points_before_camera()
+    laser = np.array([config.baseline, 0, 0])
+    r = np.linalg.norm(points - laser, axis=1)
+    where = stripe.sheet(points, config.baseline)
+    for theta in (-0.35, -0.2, 0.0):
+        normal = np.array([np.cos(theta), 0, -np.sin(theta)])
+        gap = np.abs((points - laser) @ normal)
+        sigma = r * np.tan(config.wedge / 2) / np.sqrt(2)
+        expected = np.exp(-2 * (gap / sigma) ** 2)
+        expected[np.abs(theta - where.angle) > config.wedge / 2] = 0
+        got = stripe.wedge(theta - where.angle, where.axis / where.distance, config.wedge)
+        assert np.allclose(got, expected)
+
+
+@pytest.mark.parametrize("beam", ["wedge", "gaussian"])
+def test_sweep_holds_every_stripe_that_lights_a_point(beam):
+    config = ScannerConfig(beam=beam)
+    where = stripe.sheet(points_before_camera(), config.baseline)
+    swept = stripe.sweep(where, config)
+    number = np.arange(config.stripes)
+    theta = config.sweep[0] + (number + 0.5) * config.step
+    dense = stripe.light(theta - where.angle[:, None], where, config)
+    column = swept.first[:, None] + np.arange(swept.values.shape[1])
+    found = np.zeros_like(dense)
+    inside = (column >= 0) & (column < config.stripes)
+    found[np.nonzero(inside)[0], column[inside]] = swept.values[inside]
+    assert np.allclose(found, dense)
+    assert (swept.values[~inside] == 0).all()
+
+
+@pytest.mark.parametrize("beam", ["wedge", "gaussian"])
+def test_fit_of_a_clean_sweep_finds_angle_width_and_height(beam):
+    config = ScannerConfig(beam=beam)
+    where = stripe.sheet(points_before_camera(), config.baseline)
+    swept = stripe.sweep(where, config)
+    inner = (swept.first > 0) & (swept.first + swept.values.shape[1] < config.stripes)
+    assert inner.mean() > 0.8
+    found = peak.fit(swept.values)
+    angle = config.sweep[0] + (swept.first + found.position + 0.5) * config.step
+    assert np.abs(angle - where.angle)[inner].max() < 1e-6
+    width = stripe.cast_width(where, config)
+    assert np.abs(found.width * config.step / width - 1)[inner].max() < 2e-3
+    height = 1 if beam == "wedge" else config.beam_waist / stripe.beam_radius(where.distance, config)
+    assert np.abs(found.peak / height - 1)[inner].max() < 2e-3
+
+
+def test_gaussian_beam_diverges_from_its_waist_and_keeps_its_power():
+    config = ScannerConfig(beam="gaussian", beam_waist=0.1)
+    focus = config.focus
+    assert stripe.beam_radius(np.array([focus]), config) == pytest.approx(0.1)
+    rayleigh = np.pi * 0.1**2 / 650e-6
+    assert stripe.beam_radius(np.array([focus + rayleigh]), config) == pytest.approx(0.1 * np.sqrt(2))
+    offset = np.linspace(-0.05, 0.05, 20001)
+    power = [
+        np.trapezoid(stripe.gaussian(offset, axis, radius, 0.1), axis * np.sin(offset))
+        for axis, radius in ((100.0, 0.1), (150.0, 0.2))
+    ]
+    assert power[0] == pytest.approx(power[1], rel=1e-3)
+
+
+def test_inverse_square_falloff():
+    config = ScannerConfig(falloff="inverse_square")
+    where = stripe.sheet(np.array([[0, 0, config.min_range], [config.baseline, 0, 2 * config.nearest]]), 50.0)
+    assert np.allclose(stripe.falloff(where, config), [1, 0.25])
+
+
+def test_stripes_cover_the_field_of_view_over_the_whole_range():
+    config = ScannerConfig()
+    first, last = config.sweep
+    for depth in (config.min_range, 150.0, config.max_range):
+        edge = config.half_width * depth
+        corners = stripe.sheet(np.array([[-edge, 0, depth], [edge, 0, depth]]), config.baseline).angle
+        assert first - 1e-12 <= corners.min()
+        assert corners.max() <= last + 1e-12
