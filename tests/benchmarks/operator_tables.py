@@ -12,7 +12,7 @@ from medial import Diffusion, density_weights, dual_areas, medial_axis, similari
 from medial.areas.dual_area import calibrated
 from medial.operator import NEAREST
 from tests.benchmarks.operator_stages import scanned
-from tests.medial.test_density import compare
+from tests.medial.similarity.test_density import compare
 
 
 def say(line):

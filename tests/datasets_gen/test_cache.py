@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from datasets_gen import Collection, cache
-from tests.datasets_gen.test_folder import posed
+from tests.datasets_gen.collections.test_folder import posed
 
 
 @pytest.fixture(autouse=True)

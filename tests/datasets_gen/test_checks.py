@@ -14,7 +14,7 @@ from datasets_gen.checks import (
     signed_volume,
     winding_conflicts,
 )
-from tests.datasets_gen.meshes import box, shape, sphere
+from tests.datasets_gen.sample_meshes import box, shape, sphere
 
 
 def two_spheres():

@@ -54,7 +54,7 @@ def test_imports_through_a_package_and_inside_functions_count(package):
 def test_a_metric_reaches_scores_and_not_scans():
     scan = identity._imported(identity._parsed("evaluation.running.stages.threshold_scan"))
     assert not any("metrics" in name for name in scan)
-    assert "evaluation.metrics" in set(
+    assert "evaluation.metrics.correspondence" in set(
         identity._imported(identity._parsed("evaluation.running.stages.score"))
     )
 

@@ -6,9 +6,9 @@ Node j at rest in g_j carries a rotation R_j and a position y_j; a point x follo
 
 Nodes are near in the *diffusion map*, not in space alone (`medial.matching.neighbourhoods`). For the medial
 operator a node is a piece of a limb with all its sides, so that a side without data follows the sides that
-have some, and a hand does not stick to the hip beside it. Neighbouring nodes should agree on where both of them
-go and on how they turn. Unknown are six numbers per node, found by Gauss-Newton steps with one banded Cholesky
-factor each.
+have some, and a hand does not stick to the hip beside it. Neighbouring nodes should agree on where both of
+them go and on how they turn. Unknown are six numbers per node, found by Gauss-Newton steps with one banded
+Cholesky factor each.
 
 References
 ----------

@@ -8,8 +8,8 @@ from datasets_gen import check_mesh, load, load_folder, mirror_map, names, write
 from datasets_gen.bodies.body_plan import build
 from datasets_gen.checks import edge_face_counts, signed_volume
 from datasets_gen.registry import BUILT_IN
+from tests.datasets_gen.meshes.test_remeshing import smallest_angles
 from tests.datasets_gen.overlap import buried_fraction, crossing_faces
-from tests.datasets_gen.test_remesh import smallest_angles
 
 POSES = {
     "human": {"rest", "tpose", "arms_up", "walk", "run", "sit", "crouch", "bend", "twist", "lunge"},
@@ -93,7 +93,7 @@ def test_poses_are_not_inside_themselves(name):
 
 def test_overlap_measures_see_an_overlap():
     """Two spheres that share a lens: known share of buried area, and crossings only at the seam."""
-    from tests.datasets_gen.meshes import shape, sphere
+    from tests.datasets_gen.sample_meshes import shape, sphere
 
     ball, gap = sphere(3), 1.2
     vertices = np.concatenate([ball.vertices, ball.vertices + np.array([gap, 0, 0])])

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from datasets_gen.bodies.implicit_surface import Body, sweep
 from datasets_gen.bodies.skeleton import Skeleton, hinge
 from datasets_gen.bodies.skinning import DeltaMush, bone_of, diffused_weights, dual_quaternion_skinning
-from tests.datasets_gen.meshes import sphere
+from tests.datasets_gen.sample_meshes import sphere
 
 BALL = sphere(3)
 VERTICES, FACES = BALL.vertices * [0.3, 1.0, 0.3], BALL.faces.astype(np.int64)

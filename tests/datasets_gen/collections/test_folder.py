@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from datasets_gen import Collection, InputError, load, load_folder, write_collection, write_mesh
-from tests.datasets_gen.meshes import shuffled, sphere
+from tests.datasets_gen.sample_meshes import shuffled, sphere
 
 MESH = shuffled(sphere(2))
 STRETCH = {"rest": (1, 1, 1), "pose2": (1, 2, 1), "pose10": (1, 1, 3)}

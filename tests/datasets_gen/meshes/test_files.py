@@ -3,7 +3,7 @@ import pytest
 
 from datasets_gen import InputError, check_mesh, load_mesh, write_mesh
 from datasets_gen.meshes.files import read_mesh
-from tests.datasets_gen.meshes import shuffled, sphere
+from tests.datasets_gen.sample_meshes import shuffled, sphere
 
 MESH = shuffled(sphere(2))
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from datasets_gen import mirror_map
 from datasets_gen.meshes.mirroring import best_reflection, connectivity_mirror, reflect, vertex_normals
-from tests.datasets_gen.meshes import shape, shuffled, sphere
+from tests.datasets_gen.sample_meshes import shape, shuffled, sphere
 
 vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)
 

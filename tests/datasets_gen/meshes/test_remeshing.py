@@ -8,7 +8,7 @@ from datasets_gen.bodies.body_plan import Projector
 from datasets_gen.bodies.implicit_surface import Body, ellipsoid
 from datasets_gen.checks import edge_face_counts, signed_volume, winding_conflicts
 from datasets_gen.meshes.remeshing import Edges, face_normals, remesh
-from tests.datasets_gen.meshes import box, sphere
+from tests.datasets_gen.sample_meshes import box, sphere
 
 RADII = np.array([0.3, 0.4, 0.2])
 BODY = Body((ellipsoid("b", (0, 0, 0), tuple(RADII), blend=0.02),))

@@ -9,11 +9,11 @@ import pytest
 
 from datasets_gen.records import InputError
 from medial import similarity
-from medial.device.backend import backend as devices
+from medial.device import backend as devices
 from medial.operator import Operator, build
 from medial.spectrum.modes import smallest_modes
 from tests.medial import clouds
-from tests.medial.test_spectrum import ring
+from tests.medial.spectrum.test_modes import ring
 
 
 @pytest.fixture(autouse=True)

@@ -120,6 +120,6 @@ def test_few_or_no_similar_pairs(device, r_cap, monkeypatch):
 
 def test_too_round_for_memory_is_an_input_error(device, monkeypatch):
     require(device)
-    monkeypatch.setattr(import_module("medial.similarity"), "MOST_PAIRS", 1000)
+    monkeypatch.setattr(import_module("medial.similarity.similarity"), "MOST_PAIRS", 1000)
     with pytest.raises(InputError, match="close to a ball"):
         similarity(*clouds.sphere(100), device=device)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from medial import Diffusion, MatchConfig, match
-from medial.matching.match import match as matching
+from medial.matching import match as matching
 from tests.medial.clouds import body, cylinder, planes, rotation, sphere, torus
 from tests.medial.posed import bent, common_units, figure
 

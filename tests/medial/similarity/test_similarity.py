@@ -101,7 +101,7 @@ def test_number_of_threads_does_not_matter(figure, phi, threads, monkeypatch):
 
 
 def test_size_of_batches_does_not_matter(figure, phi, monkeypatch):
-    monkeypatch.setattr(import_module("medial.similarity"), "PAIRS_AT_ONCE", 1)
+    monkeypatch.setattr(import_module("medial.similarity.similarity"), "PAIRS_AT_ONCE", 1)
     assert abs(similarity(*figure) - phi).max() < SINGLE
 
 
@@ -134,7 +134,7 @@ def test_flat_clouds_have_no_medial_balls(axes):
 
 
 def test_too_round_for_memory_is_an_input_error(monkeypatch):
-    monkeypatch.setattr(import_module("medial.similarity"), "MOST_PAIRS", 1000)
+    monkeypatch.setattr(import_module("medial.similarity.similarity"), "MOST_PAIRS", 1000)
     with pytest.raises(InputError, match="close to a ball"):
         similarity(*clouds.sphere(100))
 

@@ -108,7 +108,7 @@ def test_a_callers_own_variant_is_put_back_and_ours_is_left():
     for first, last in (("", "scalar_rgb"), ("mi.set_variant('scalar_spectral');", "scalar_spectral")):
         code = (
             f"import mitsuba as mi; {first}"
-            "from scanner_sim import variant\n"
+            "from scanner_sim.tracing import variant\n"
             "with variant.active('scalar_rgb') as inside: assert inside.variant() == 'scalar_rgb'\n"
             f"assert mi.variant() == {last!r}, mi.variant()"
         )

@@ -6,8 +6,8 @@ import pytest
 from medial.matching.landmarks.rigid_starts import axis_rotations, principal_axes, rigid_poses
 from medial.matching.match import Pair
 from tests.medial.clouds import rotation
+from tests.medial.matching.test_default_match import BENT, SMALL
 from tests.medial.posed import Setup, bent_figure, figure
-from tests.medial.test_default_matching import BENT, SMALL
 
 
 @pytest.fixture(scope="module")

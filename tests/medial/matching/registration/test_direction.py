@@ -9,8 +9,8 @@ from medial import match
 from medial.matching.match import Pair
 from medial.matching.registration.direction import ALIKE, LIKE, Placed, Sets, search
 from medial.matching.registration.exchange import SAME_FIT, distinct
+from tests.medial.matching.test_default_match import BENT, SMALL, errors, other_sample, truth  # noqa: F401
 from tests.medial.posed import bent_figure, figure, legs, right_arm
-from tests.medial.test_default_matching import BENT, SMALL, errors, other_sample, truth  # noqa: F401
 
 
 @pytest.fixture(scope="module")

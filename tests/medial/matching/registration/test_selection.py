@@ -8,8 +8,8 @@ import pytest
 from medial.matching.match import Pair
 from medial.matching.registration.direction import ALIKE
 from medial.matching.registration.selection import LEVEL, Finish
+from tests.medial.matching.test_default_match import BENT, SMALL
 from tests.medial.posed import bent_figure, figure
-from tests.medial.test_default_matching import BENT, SMALL
 
 
 @pytest.fixture(scope="module")
