@@ -1,24 +1,16 @@
-"""Built bodies on disk, keyed by their parameters and by the code that makes them."""
+"""Built bodies on disk, keyed by their parameters, by the code that makes them and by its libraries."""
 
-import hashlib
-import json
 import logging
 import os
 from collections.abc import Mapping
-from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from datasets_gen.records import InputError, load_record, save_record
-from datasets_gen.shape import Collection, Shape
+from datasets_gen.collection import Collection
+from datasets_gen.fingerprints import code_fingerprint, digest
+from datasets_gen.records import InputError
 
 _log = logging.getLogger(__name__)
-
-LIBRARIES = ("numpy", "scipy", "scikit-image", "robust-laplacian")
-KIND = "Collection"
 
 
 def cache_folder() -> Path:
@@ -30,21 +22,25 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "medialbench"
 
 
-@cache
-def code_fingerprint() -> str:
-    """Hash of this package's source and of the versions of the libraries that it computes with."""
-    digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    for library in LIBRARIES:
-        digest.update(f"{library} {version(library)}\n".encode())
-    return digest.hexdigest()
+def cache_path(name: str, parameters: Mapping[str, Any], module: str) -> Path:
+    """File of a body; changes with its parameters, with the code and with the libraries.
 
+    Parameters
+    ----------
+    name
+        Of the body; begins the file's name.
+    parameters
+        Everything that decides the body besides the code; values that JSON can hold.
+    module
+        Dotted name of the module that builds it; what it imports counts too.
 
-def cache_path(name: str, parameters: Mapping[str, Any]) -> Path:
-    """File of a body; changes with its parameters, with the code and with the libraries."""
-    text = json.dumps({"name": name, "code": code_fingerprint(), **parameters}, sort_keys=True)
-    return cache_folder() / f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:20]}.npz"
+    Returns
+    -------
+    Path
+        In `cache_folder`; need not exist.
+    """
+    key = digest({"name": name, "parameters": parameters, "code": code_fingerprint(module)})
+    return cache_folder() / f"{name}-{key[:20]}.npz"
 
 
 def fetch(path: Path) -> Collection | None:
@@ -52,34 +48,15 @@ def fetch(path: Path) -> Collection | None:
     if not path.is_file():
         return None
     try:
-        arrays, meta = load_record(path, KIND)
-        faces = arrays["faces"]
-        shapes = tuple(
-            Shape(vertices, faces, f"{meta['subject']}/{pose}", meta["subject"], pose, meta["units"])
-            for pose, vertices in zip(meta["poses"], arrays["vertices"], strict=True)
-        )
-        mirror = arrays.get("mirror")
-        return Collection(meta["subject"], shapes, shapes[meta["poses"].index(meta["reference"])], mirror)
-    except (InputError, KeyError, ValueError) as error:
+        return Collection.load(path)
+    except InputError as error:
         _log.warning("cache file %s is not usable (%s); building it again", path, error)
         return None
 
 
 def store(path: Path, collection: Collection) -> None:
     """Write a collection to a cache file; a folder that cannot be written is logged, not raised."""
-    arrays: dict[str, Any] = {
-        "vertices": np.stack([shape.vertices for shape in collection.shapes]),
-        "faces": collection.reference.faces,
-    }
-    if collection.mirror is not None:
-        arrays["mirror"] = collection.mirror
-    meta = {
-        "subject": collection.subject,
-        "poses": [shape.pose for shape in collection.shapes],
-        "reference": collection.reference.pose,
-        "units": collection.reference.units,
-    }
     try:
-        save_record(path, KIND, arrays, meta)
+        collection.save(path)
     except (InputError, OSError) as error:
         _log.warning("going on without a cache: %s", error)

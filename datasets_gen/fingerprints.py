@@ -1,24 +1,32 @@
-"""What a task is: keys, seeds and the version of the code that matters to it.
+"""Hashes that say whether a stored result may be used again: of values, of files, of code and libraries.
 
-A result may be used again only if nothing that made it has changed. The key of a task is therefore a hash
-of its settings, of the keys of its inputs and of the source of every project module that its stage can
-reach through imports. Comments, docstrings and layout do not count; a change in a metric reaches scores,
-not scans.
+A result may be used again only if nothing that made it has changed: its settings, its inputs, the source of
+every project module that its code reaches through imports, and the versions of the libraries that these
+modules import. Comments, docstrings and layout do not count. A change in a metric changes the keys of
+scores, not those of scans.
 """
 
 import ast
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
-from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-PROJECT = ("datasets_gen", "scanner_sim", "medial", "evaluation")
+PROJECT = ("datasets_gen", "scanner_sim", "medial", "evaluation", "reports")
+
+DISTRIBUTIONS = {"skimage": "scikit-image", "PIL": "pillow"}
+"""Names on the package index of libraries that are imported under another name."""
+
+NO_RESULTS = frozenset({"OpenEXR", "PIL", "click", "filelock", "rich", "threadpoolctl", "tomli_w"})
+"""Libraries that write files or messages, or set threads: no result depends on their versions."""
 
 
 def canonical(value: Any) -> str:
@@ -56,40 +64,105 @@ def digest_files(*paths: Path) -> str:
     return total.hexdigest()
 
 
-@cache
-def code_version(module: str) -> str:
-    """Hash of a module and of all project modules that it reaches through imports, 16 hexadecimal digits.
+def code_fingerprint(*modules: str) -> str:
+    """Hash of modules, of all project modules that they reach through imports, and of library versions.
 
     Parameters
     ----------
-    module
-        Dotted name. Modules outside the project (a user's own method) count with their own source.
+    *modules
+        Dotted names, or paths of Python files (a user's own method).
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If a module has no source.
     """
-    seen: dict[str, str] = {}
-    waiting = [module]
-    while waiting:
-        name = waiting.pop()
-        if name in seen:
-            continue
-        seen[name], imported = _facts(name)
-        waiting.extend(sorted(imported - set(seen)))
-    return digest(seen)[:16]
+    return _fingerprint(modules, digest_files(*(Path(name) for name in modules if _is_file(name))))
 
 
 @cache
-def _facts(module: str) -> tuple[str, frozenset[str]]:
-    """Hash of a module's substance, and the project modules that it imports."""
-    tree = _parsed(module)
-    imported = frozenset(_imported(tree))
-    return hashlib.sha256(_substance(tree).encode()).hexdigest(), imported
+def _fingerprint(modules: tuple[str, ...], files: str) -> str:
+    """The fingerprint, computed once; `files` changes when a file among the modules was edited."""
+    sources = {name: _facts(name).substance for name in _reached(modules)}
+    return digest([sources, library_versions(*modules)])[:16]
+
+
+def library_versions(*modules: str) -> dict[str, str]:
+    """Versions of the libraries that modules, and all project modules that they reach, import.
+
+    Parameters
+    ----------
+    *modules
+        As for `code_fingerprint`.
+
+    Returns
+    -------
+    dict
+        Version by name on the package index, sorted by name. Libraries that are not installed and those
+        that decide no result (`NO_RESULTS`) are left out.
+    """
+    found = {}
+    libraries = {library for name in _reached(modules) for library in _facts(name).libraries}
+    for library in libraries - NO_RESULTS:
+        distribution = DISTRIBUTIONS.get(library, library.replace("_", "-"))
+        with suppress(PackageNotFoundError):
+            found[distribution] = version(distribution)
+    return dict(sorted(found.items()))
+
+
+def _reached(modules: Iterable[str]) -> list[str]:
+    """The modules and all project modules that they import, directly or through others; sorted."""
+    seen: set[str] = set()
+    waiting = list(modules)
+    while waiting:
+        name = waiting.pop()
+        if name not in seen:
+            seen.add(name)
+            waiting.extend(_facts(name).imported - seen)
+    return sorted(seen)
+
+
+class _Facts(NamedTuple):
+    """Hash of a module's substance, the project modules and the libraries that it imports."""
+
+    substance: str
+    imported: frozenset[str]
+    libraries: frozenset[str]
+
+
+def _facts(module: str) -> _Facts:
+    """Facts of a module; files are read again, as a session may edit its method between two runs."""
+    if _is_file(module):
+        return _tree_facts(ast.parse(Path(module).read_text(encoding="utf-8")))
+    return _module_facts(module)
+
+
+@cache
+def _module_facts(module: str) -> _Facts:
+    return _tree_facts(_parsed(module))
+
+
+def _tree_facts(tree: ast.Module) -> _Facts:
+    imported, libraries = frozenset(_imported(tree)), frozenset(_libraries(tree)) - sys.stdlib_module_names
+    return _Facts(hashlib.sha256(_substance(tree).encode()).hexdigest(), imported, libraries)
 
 
 @cache
 def _parsed(module: str) -> ast.Module:
+    """Syntax tree of a module's source."""
     spec = find_spec(module)
     if spec is None or spec.origin is None or not spec.origin.endswith(".py"):
         raise ModuleNotFoundError(f"no source of module {module!r}")
     return ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+
+
+def _is_file(module: str) -> bool:
+    return module.endswith(".py")
 
 
 def _substance(tree: ast.Module) -> str:
@@ -111,6 +184,15 @@ def _imported(tree: ast.Module) -> Iterator[str]:
                 yield _home(node.module, alias.name)
 
 
+def _libraries(tree: ast.Module) -> Iterator[str]:
+    """Packages outside the project that a module imports; the standard library included."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names if not _ours(alias.name))
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0 and not _ours(node.module):
+            yield node.module.split(".")[0]
+
+
 def _ours(module: str) -> bool:
     return module.split(".")[0] in PROJECT
 
@@ -118,24 +200,17 @@ def _ours(module: str) -> bool:
 @cache
 def _home(module: str, name: str) -> str:
     """The module that defines a name imported from a module or package."""
-    if find_spec(f"{module}.{name}") is not None if _is_package(module) else False:
-        return f"{module}.{name}"
-    if _is_package(module):
-        for node in ast.walk(_parsed(module)):
-            if isinstance(node, ast.ImportFrom) and node.module and _ours(node.module):
-                for alias in node.names:
-                    if (alias.asname or alias.name) == name:
-                        return _home(node.module, alias.name)
-    return module
+    if not _is_package(module):
+        return module
+    for node in ast.walk(_parsed(module)):  # before submodules: `scanner_sim.scan` is a function and a module
+        if isinstance(node, ast.ImportFrom) and node.module and _ours(node.module):
+            for alias in node.names:
+                if (alias.asname or alias.name) == name:
+                    return _home(node.module, alias.name)
+    return f"{module}.{name}" if find_spec(f"{module}.{name}") is not None else module
 
 
 @cache
 def _is_package(module: str) -> bool:
     spec = find_spec(module)
     return spec is not None and spec.submodule_search_locations is not None
-
-
-def resolve(reference: str) -> Any:
-    """The object named ``"module:attribute"``."""
-    module, _, attribute = reference.partition(":")
-    return getattr(import_module(module), attribute)

@@ -8,14 +8,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from numbers import Integral
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from datasets_gen.bodies import human, quadruped
-from datasets_gen.bodies.body_plan import BodyPlan, build
+from datasets_gen.bodies.body_plan import BodyPlan, build_body
 from datasets_gen.cache import cache_path, fetch, store
-from datasets_gen.collections.folder import load_folder, pose_list
+from datasets_gen.collection import Collection
+from datasets_gen.collections.folder import load_folder, outline_folder, pose_list
 from datasets_gen.records import InputError
-from datasets_gen.shape import Collection
+
+T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
 
@@ -64,12 +66,57 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
         return _called(_load_built_in, str(name), options)
     if str(name) and Path(name).is_dir():
         return _called(load_folder, str(name), options)
+    raise _unknown(name)
+
+
+def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
+    """What `load` would give, told without building or reading a mesh.
+
+    Parameters
+    ----------
+    name, **options
+        As for `load`.
+
+    Returns
+    -------
+    dict
+        ``subject`` (str), ``poses`` (list of str, in order), ``reference`` (str).
+
+    Raises
+    ------
+    InputError
+        As `load` does for names and options; contents of mesh files are not looked at.
+    """
+    if str(name) in BUILT_IN:
+        return _called(_outline_built_in, str(name), options)
+    if str(name) and Path(name).is_dir():
+        return _called(outline_folder, str(name), options)
+    raise _unknown(name)
+
+
+def _outline_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = None) -> dict[str, Any]:
+    _check_seed(name, seed)
+    known = list(BUILT_IN[name](0).poses)
+    subject = f"{name}-{seed}" if seed else name
+    return {
+        "subject": subject,
+        "poses": known if poses is None else pose_list(poses, known, name),
+        "reference": known[0],
+    }
+
+
+def _unknown(name: str | os.PathLike[str]) -> InputError:
     close = difflib.get_close_matches(str(name), names(), n=1, cutoff=0.4)
     hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(names())}"
-    raise InputError(f"no dataset {str(name)!r}, and no folder of that name; {hint}")
+    return InputError(f"no dataset {str(name)!r}, and no folder of that name; {hint}")
 
 
-def _called(loader: Callable[..., Collection], name: str, options: dict[str, Any]) -> Collection:
+def _check_seed(name: str, seed: Any) -> None:
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
+        raise InputError(f"seed of {name!r} is {seed!r}; give an integer from 0 on")
+
+
+def _called(loader: Callable[..., T], name: str, options: dict[str, Any]) -> T:
     known = list(inspect.signature(loader).parameters)[1:]
     for option in options:
         if option not in known:
@@ -78,15 +125,14 @@ def _called(loader: Callable[..., Collection], name: str, options: dict[str, Any
 
 
 def _load_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = None) -> Collection:
-    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
-        raise InputError(f"seed of {name!r} is {seed!r}; give an integer from 0 on")
+    _check_seed(name, seed)
     chosen = None if poses is None else pose_list(poses, tuple(BUILT_IN[name](0).poses), name)
-    path = cache_path(name, {"seed": int(seed)})
+    path = cache_path(name, {"seed": int(seed)}, BUILT_IN[name].__module__)
     collection = fetch(path)
     if collection is None:
         _log.info("building %r with seed %d", name, seed)
         plan = BUILT_IN[name](int(seed))
-        collection = build(replace(plan, name=f"{name}-{seed}") if seed else plan)
+        collection = build_body(replace(plan, name=f"{name}-{seed}") if seed else plan)
         store(path, collection)
     if chosen is None:
         return collection

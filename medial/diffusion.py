@@ -1,14 +1,17 @@
 """The `Diffusion` type: the spectrum of an operator on a point cloud, and its heat kernel."""
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import load_record, save_record
-from medial.operator import Basis, Operator, build
+from medial.device.backend import CPU, backend
+from medial.operator import Operator, build_operator
+from medial.places import distinct_places
+from medial.spectrum.modes import smallest_modes
 
 GONE = 1e-25
 """Modes that have decayed to less than this count as gone: no sum feels them beside the first, which stays 1.
@@ -43,8 +46,6 @@ class Diffusion:
         ``"medial"``, ``"heat"`` or ``"robust"``.
     parameters : dict
         The settings that made it, for the record.
-    surface : Diffusion, optional
-        A surface basis of the same points (operator ``"robust"``), for sharp refinement of a map.
     """
 
     points: NDArray[np.float64]
@@ -56,30 +57,28 @@ class Diffusion:
     radii: NDArray[np.float64]
     operator: str
     parameters: dict[str, Any] = field(default_factory=dict)
-    surface: "Diffusion | None" = None
 
     @classmethod
     def from_points(
         cls,
         points: NDArray[np.floating],
-        normals: NDArray[np.floating] | None,
+        normals: NDArray[np.floating] | None = None,
         operator: str = "medial",
         modes: int = 300,
         eta: float | None = 0.5,
-        *,
-        surface: bool = False,
-        surface_modes: int = 200,
-        start: "Diffusion | None" = None,
         **settings: Any,
     ) -> "Diffusion":
         """Build an operator on a cloud and take its smallest modes.
+
+        Points at the same place count as one while the operator is built; each of them gets its share of the
+        area.
 
         Parameters
         ----------
         points : (n, 3)
             The cloud.
-        normals : (n, 3) or None
-            Outward normals; None estimates them.
+        normals : (n, 3), optional
+            Outward normals; estimated where not given.
         operator
             ``"medial"`` (Eqs. 4-15), ``"heat"`` (Gaussian weights alone [BSW09]) or ``"robust"`` (tufted
             Laplacian [Sharp & Crane 2020]).
@@ -87,31 +86,46 @@ class Diffusion:
             Eigenpairs to keep.
         eta
             Share of the Gaussian weights in Eq. 15; None takes phi alone, as in Eq. 8.
-        surface
-            Also build the companion surface basis.
-        surface_modes
-            Eigenpairs of the companion; at most a quarter of the points.
-        start
-            A similar operator on the same points (another eta, say): its modes start the search for these.
         **settings
-            Further fields of `medial.operator.Operator`: sigma_e, sigma_t, cutoff, ...
+            Further fields of `medial.operator.Operator`: sigma_e, sigma_t, cutoff, ...;
+            ``departures="none"`` is the paper as written.
 
         Raises
         ------
         InputError
-            If the cloud or a setting cannot be used.
+            If the cloud cannot carry the operator, a setting cannot be used or the device is missing.
         """
         config = Operator(operator=operator, modes=modes, eta=eta, **settings)
-        companion = None
-        if surface:
-            few = min(surface_modes, len(points) // 4)
-            companion = cls._of(build(points, normals, Operator(operator="robust", modes=few)))
-        warm = None if start is None else start.eigenfunctions
-        return cls._of(build(points, normals, config, warm), companion)
+        if config.device != CPU:
+            backend(config.device)  # missing: say so before anything is computed
+        places = distinct_places(points, normals, modes)
+        stiffness, areas, centers, radii = build_operator(places.cloud, config)
+        eigenvalues, eigenfunctions, residual = smallest_modes(
+            stiffness,
+            areas,
+            modes,
+            config.tolerance,
+            factorise=operator == "robust",
+            device=config.device,
+        )
+        return cls(
+            places.points,
+            places.normals,
+            areas[places.index] / places.copies,
+            eigenvalues,
+            eigenfunctions[places.index],
+            centers[places.index],
+            radii[places.index],
+            operator,
+            asdict(config) | {"residual": residual},
+        )
 
-    @classmethod
-    def _of(cls, basis: Basis, surface: "Diffusion | None" = None) -> "Diffusion":
-        return cls(**vars(basis), surface=surface)
+    def __repr__(self) -> str:
+        """One line: operator, points n, modes k and area."""
+        return (
+            f"Diffusion({self.operator!r}, n={len(self)}, k={len(self.eigenvalues)}, "
+            f"area={self.areas.sum():.6g})"
+        )
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -139,22 +153,14 @@ class Diffusion:
         """Write as ``.npz``."""
         arrays = {name: getattr(self, name) for name in _ARRAYS}
         meta: dict[str, Any] = {"operator": self.operator, "parameters": self.parameters}
-        if self.surface is not None:
-            arrays |= {_SURFACE + name: getattr(self.surface, name) for name in _ARRAYS}
-            meta["surface"] = {"operator": self.surface.operator, "parameters": self.surface.parameters}
         save_record(path, "Diffusion", arrays, meta)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Diffusion":
-        """Read a file written by `save`."""
+        """Read a file written by `save`; the companion surface basis of older files is left out."""
         arrays, meta = load_record(path, "Diffusion")
-        own = {name: arrays[name] for name in _ARRAYS}
-        companion = meta.pop("surface", None)
-        if companion is None:
-            return cls(**own, **meta)
-        other = cls(**{name: arrays[_SURFACE + name] for name in _ARRAYS}, **companion)
-        return cls(**own, **meta, surface=other)
+        meta.pop("surface", None)
+        return cls(**{name: arrays[name] for name in _ARRAYS}, **meta)
 
 
 _ARRAYS = ("points", "normals", "areas", "eigenvalues", "eigenfunctions", "centers", "radii")
-_SURFACE = "surface_"

@@ -1,30 +1,32 @@
-"""From a cloud to the modes of an operator: one function per operator, one configuration for all."""
+"""What is built, in which order: from a cloud to the matrix of an operator. `Operator` holds the settings."""
 
 import logging
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from datasets_gen.records import InputError
-from medial.areas.dual_area import calibrated, dual_areas, medial_axis
-from medial.areas.surface_cells import REFERENCE_POINTS, density_weights, surface_areas
-from medial.device.backend import CPU, backend, check_device
+from medial.areas.dual_area import JOINED, areas_of_hulls, calibrated, medial_balls
+from medial.areas.surface_cells import REFERENCE_POINTS, density_weights, surface_cells
+from medial.departures import ALL_DEPARTURES, Departures
+from medial.device.backend import CPU, check_device
 from medial.laplacian.heat import heat_laplacian
 from medial.laplacian.tufted import tufted_laplacian
-from medial.laplacian.weights import combine, diffusion_rates, gaussian_weights, laplacian
-from medial.outward import check_normals, estimate_normals
-from medial.similarity.leaves import kd_order
-from medial.similarity.similarity import check_similarity, similarity
-from medial.spectrum.modes import Modes, smallest_modes
-from medial.validation import check_cloud, check_points
+from medial.laplacian.weights import TINY, combine, diffusion_rates, gaussian_weights, laplacian
+from medial.similarity.candidate_ball import smallest_width
+from medial.similarity.emptiness import Settings
+from medial.similarity.similarity import check_similarity, similarity_of
+from medial.validation import OrientedCloud
 
 log = logging.getLogger(__name__)
 
+Array = NDArray[np.float64]
+
 OPERATORS = ("medial", "heat", "robust")
-NEAREST = 12  # points next to each one that join its hull (`dual_areas`)
+SIZE_RULES = ("density_weights", "nearest_join", "area_calibration", "diffusion_rates")
+"""Departures that `reference_points=None` switches off: the result then depends on the number of points."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,12 +45,15 @@ class Operator:
     cutoff
         Smallest similarity kept.
     reference_points
-        Cloud size that sigma_e, the Gaussian part and the areas refer to (`docs/operator.md`); None takes
-        every equation as written, so that the result depends on the number of points.
+        Cloud size that sigma_e, the Gaussian part and the areas refer to (`docs/operator.md`); None switches
+        off the departures in `SIZE_RULES`, so that the result depends on the number of points.
     tolerance
         Residual of the modes relative to the largest eigenvalue.
     device : {"cpu", "cuda", "llvm"}
         Where similarities and modes are computed (`medial.device`).
+    departures
+        What is done differently from the paper (`medial.Departures`); also ``"all"``, ``"none"`` (Eqs. 5-15
+        as written), or true and false by name.
     """
 
     operator: str = "medial"
@@ -60,6 +65,7 @@ class Operator:
     reference_points: float | None = REFERENCE_POINTS
     tolerance: float = 1e-6
     device: str = CPU
+    departures: Departures = ALL_DEPARTURES
 
     def __post_init__(self) -> None:
         if self.operator not in OPERATORS:
@@ -74,168 +80,87 @@ class Operator:
             raise InputError(f"tolerance is {self.tolerance}; choose it in (0, 1)")
         check_similarity(self.sigma_e, self.sigma_t, self.cutoff)
         check_device(self.device)
+        departures = Departures.of(self.departures)
+        if self.reference_points is None:
+            departures = departures.as_written(*SIZE_RULES)
+        object.__setattr__(self, "departures", departures)
 
 
-@dataclass(frozen=True)
-class Basis:
-    """The fields of a `medial.Diffusion`, without a companion."""
-
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    areas: NDArray[np.float64]
-    eigenvalues: NDArray[np.float64]
-    eigenfunctions: NDArray[np.float64]
-    centers: NDArray[np.float64]
-    radii: NDArray[np.float64]
-    operator: str
-    parameters: dict[str, Any]
-
-
-def build(
-    points: NDArray[np.floating],
-    normals: NDArray[np.floating] | None,
-    config: Operator,
-    start: NDArray[np.float64] | None = None,
-) -> Basis:
-    """Build the operator of a cloud and take its modes.
-
-    Points at the same place count as one while the operator is built; each of them gets its share of the
-    area.
+def build_operator(cloud: OrientedCloud, config: Operator) -> tuple[csr_array, Array, Array, Array]:
+    """Assemble ``S psi = lambda A psi`` of a cloud.
 
     Parameters
     ----------
-    points : (n, 3)
-    normals : (n, 3) or None
-        Outward normals; None estimates them.
+    cloud
+        Without coinciding points (`medial.places`).
     config
         Settings.
-    start : (n, k), optional
-        Eigenfunctions of a similar operator on the same points: a warm start for the modes.
 
-    Raises
-    ------
-    InputError
-        If the cloud cannot carry the operator, or the device is missing.
+    Returns
+    -------
+    stiffness : (n, n) csr_array
+        S, symmetric with zero row sums.
+    areas : (n,)
+        Diagonal of A, in squared units.
+    centers : (n, 3)
+    radii : (n,)
+        Medial axis (Eq. 9); the points and 0 for surface operators.
     """
-    if config.device != CPU:
-        backend(config.device)  # missing: say so before anything is computed
-    given = check_points(points)
-    places, which, copies = np.unique(given, axis=0, return_inverse=True, return_counts=True)
-    which = which.ravel()
-    if len(places) < len(given):
-        log.info("%d of %d points coincide with another: merged", len(given) - len(places), len(given))
-    check_points(places)
-    if config.modes >= len(places):
-        raise InputError(
-            f"{config.modes} modes asked of {len(places)} points; ask for fewer or give more points"
-        )
-    if normals is None:
-        log.warning("normals are missing: estimated from the points and oriented along a spanning tree")
-        merged = estimate_normals(places)
-    else:
-        merged = check_normals(places, _merged_normals(check_cloud(given, normals)[1], which, len(places)))
-    order = kd_order(places)
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
-    back = place[which]  # where each given point is in the sorted cloud
-    warm = None if start is None else start[np.unique(which, return_index=True)[1]][order]
-    parts = _build(places[order], merged[order], config, warm)
-    return Basis(
-        given,
-        merged[which],
-        parts.areas[back] / copies[which],
-        parts.modes.eigenvalues,
-        parts.modes.eigenfunctions[back],
-        parts.centers[back],
-        parts.radii[back],
-        config.operator,
-        asdict(config) | {"residual": parts.modes.residual},
-    )
-
-
-def _merged_normals(
-    normals: NDArray[np.float64], which: NDArray[np.integer], count: int
-) -> NDArray[np.float64]:
-    """Mean direction of the normals at every place; the first of them where they cancel."""
-    total = np.zeros((count, 3))
-    np.add.at(total, which, normals)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    first = np.empty(count, dtype=np.int64)
-    first[which[::-1]] = np.arange(len(which))[::-1]
-    return np.where(length > 1e-6, total / np.maximum(length, 1e-6), normals[first])
-
-
-@dataclass(frozen=True)
-class _Parts:
-    areas: NDArray[np.float64]
-    modes: Modes
-    centers: NDArray[np.float64]
-    radii: NDArray[np.float64]
-
-
-def _build(
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    config: Operator,
-    start: NDArray[np.float64] | None,
-) -> _Parts:
-    centers, radii = points, np.zeros(len(points))
+    flat = np.zeros(len(cloud))
     if config.operator == "robust":
-        stiffness, areas = tufted_laplacian(points)
-        return _Parts(
-            areas,
-            smallest_modes(stiffness, areas, config.modes, config.tolerance, factorise=True),
-            centers,
-            radii,
-        )
-    areas = surface_areas(points, normals)
+        return (*tufted_laplacian(cloud.points), cloud.points, flat)
+    surface = surface_cells(cloud)
     if config.operator == "heat":
-        stiffness = heat_laplacian(points, areas)
-    else:
-        weights, areas, centers, radii = medial_weights(points, normals, areas, config)
-        stiffness = laplacian(weights, areas)
-    modes = smallest_modes(stiffness, areas, config.modes, config.tolerance, start, device=config.device)
-    return _Parts(areas, modes, centers, radii)
+        return heat_laplacian(cloud, surface, config.departures), surface, cloud.points, flat
+    weights, areas, centers, radii = medial_weights(cloud, surface, config)
+    return laplacian(weights, areas), areas, centers, radii
 
 
 def medial_weights(
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    surface: NDArray[np.float64],
-    config: Operator,
-) -> tuple[csr_array, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Weights of the medial Laplacian (phi, or sigma of Eq. 15), dual areas, medial centres and radii.
+    cloud: OrientedCloud, surface: Array, config: Operator
+) -> tuple[csr_array, Array, Array, Array]:
+    """Weights of the medial Laplacian: similarity, medial axis, dual areas, Gaussian weights (Eqs. 4-15).
 
     Parameters
     ----------
-    points, normals : (n, 3)
+    cloud
     surface : (n,)
-        Surface areas (`medial.surface_areas`).
+        Surface areas (`medial.areas.surface_cells.surface_cells`).
     config
         Settings.
+
+    Returns
+    -------
+    weights : (n, n) csr_array
+        Phi (Eq. 7), or sigma of Eq. 15.
+    areas : (n,)
+        Dual areas (Eq. 10).
+    centers : (n, 3)
+    radii : (n,)
+        Medial axis (Eq. 9).
     """
-    reference = config.reference_points
-    mass = None if reference is None else density_weights(surface, reference)
-    phi = similarity(
-        points,
-        normals,
-        config.sigma_e,
-        config.sigma_t,
-        config.cutoff,
-        weights=mass,
-        device=config.device,
-    )
+    own, reference = config.departures, config.reference_points or REFERENCE_POINTS
+    mass = density_weights(surface, reference) if own.density_weights else np.ones(len(cloud))
+    phi = similarity_of(cloud, similarity_settings(cloud, config), mass, config.device)
     if phi.nnz == 0:
         log.warning("no two points share a medial ball (a flat cloud?): only the Gaussian weights act")
-    centers, radii = medial_axis(points, normals, phi)
-    if reference is None:
-        areas = dual_areas(points, centers, radii, normals)
-    else:
-        areas = calibrated(
-            dual_areas(points, centers, radii, normals, min(NEAREST, len(points) - 1)), surface
-        )
+    centers, radii = medial_balls(cloud, phi)
+    nearest = min(JOINED, len(cloud) - 1) if own.nearest_join else 0
+    areas = areas_of_hulls(cloud.points, cloud.tree, centers, radii, nearest)
+    areas = np.where(np.isnan(areas), surface, areas)
+    if own.area_calibration:
+        areas = calibrated(areas, surface)
     if config.eta is None:
         return phi, areas, centers, radii
-    alpha, bandwidths = gaussian_weights(points, surface)
-    rates = 1.0 if reference is None else diffusion_rates(bandwidths, float(surface.sum()), reference)
+    alpha, bandwidths = gaussian_weights(cloud.points, surface, cloud.tree, own)
+    rates = diffusion_rates(bandwidths, float(surface.sum()), reference) if own.diffusion_rates else 1.0
     return combine(phi, alpha, areas, config.eta, rates), areas, centers, radii
+
+
+def similarity_settings(cloud: OrientedCloud, config: Operator) -> Settings:
+    """Parameters of Eq. 7 for a cloud: its radius cap, and what is cut off."""
+    cap = smallest_width(cloud.points)
+    if not config.departures.radius_cap and cap > 0:
+        cap = np.inf
+    cutoff = config.cutoff if config.departures.truncation else TINY
+    return Settings(float(config.sigma_e), float(config.sigma_t), -np.log(cutoff), cap, cutoff)

@@ -4,23 +4,29 @@ import logging
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
 from datasets_gen.compiled import thread_count
+from datasets_gen.points.normals import pca, spanning_tree
 from medial.similarity.similarity import similarity
 
 log = logging.getLogger(__name__)
 
-PATCH = 16  # neighbours of a fitted plane
-SAMPLE = 1200  # points of the test for inward normals
-DISAGREEING = 0.15  # share of neighbours with opposite normals worth a warning; thin parts have some
-INWARD = 2.0  # how much more similarity outside than inside says that normals point inward
+NEIGHBOURS = 16
+"""Of a point, in its PCA and in the spanning tree."""
+SAMPLE = 1200
+"""Points of the test for inward normals."""
+DISAGREEING = 0.15
+"""Share of neighbours with opposite normals that is worth a warning; thin parts have some."""
+INWARD_SHARE = 1 / 3
+"""Normals point inward if less than this share of the similarity lies inside: half of that outside."""
 
 
 def estimate_normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit normals by PCA of the nearest points, oriented along a minimum spanning tree, outward [HDD*92].
+    """Outward unit normals by PCA of the nearest points and a minimum spanning tree of their signs.
+
+    `datasets_gen.points.normals` orients each connected piece away from its centroid; then all are turned to
+    where fewer medial balls fit (`inside_share`).
 
     Parameters
     ----------
@@ -29,38 +35,15 @@ def estimate_normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
     Returns
     -------
     (n, 3) float64
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two points.
     """
-    count = min(PATCH + 1, len(points))
-    _, neighbours = cKDTree(points).query(points, k=count, workers=thread_count())
-    patches = points[neighbours] - points[neighbours].mean(axis=1, keepdims=True)
-    _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", patches, patches))
-    return orient_normals(points, axes[:, :, 0], neighbours)
-
-
-def orient_normals(
-    points: NDArray[np.float64], normals: NDArray[np.float64], neighbours: NDArray[np.integer]
-) -> NDArray[np.float64]:
-    """Make neighbouring normals agree, component by component, then point outward.
-
-    Outward is decided by where most medial balls fit (`inside_share`).
-    """
-    n, count = neighbours.shape
-    rows, cols = np.repeat(np.arange(n), count - 1), neighbours[:, 1:].ravel()
-    agreement = np.einsum("ij,ij->i", normals[rows], normals[cols])
-    graph = csr_array((1.0 + 1e-6 - np.abs(agreement), (rows, cols)), shape=(n, n))
-    tree = minimum_spanning_tree(graph.maximum(graph.T))
-    pieces, labels = connected_components(tree, directed=False)
-    oriented = normals.copy()
-    for piece in range(pieces):
-        members = np.flatnonzero(labels == piece)
-        order, parents = breadth_first_order(tree, members[0], directed=False)
-        for child in order[1:]:
-            if oriented[child] @ oriented[parents[child]] < 0:
-                oriented[child] *= -1
-        away = points[members] - points[members].mean(axis=0)
-        if np.einsum("ij,ij->", away, oriented[members]) < 0:
-            oriented[members] *= -1
-    return -oriented if inside_share(points, oriented) < 1 / (1 + INWARD) else oriented
+    neighbours = min(NEIGHBOURS, max(1, len(points) - 1))
+    oriented = spanning_tree(points, pca(points, neighbours), neighbours)
+    return -oriented if inside_share(points, oriented) < INWARD_SHARE else oriented
 
 
 def inside_share(points: NDArray[np.float64], normals: NDArray[np.float64]) -> float:
@@ -97,7 +80,7 @@ def check_normals(points: NDArray[np.float64], normals: NDArray[np.float64]) -> 
             100 * opposite,
         )
     share = inside_share(points, normals)
-    if share < 1 / (1 + INWARD):
+    if share < INWARD_SHARE:
         log.warning(
             "normals point inward (%.0f %% of the medial balls lie outside): flipped", 100 * (1 - share)
         )

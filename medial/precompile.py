@@ -16,7 +16,7 @@ def warm_up() -> None:
     """Build every operator of a small capsule and match it to itself in both ways."""
     points, normals = _capsule(1500)
     for operator in OPERATORS:
-        diffusion = Diffusion.from_points(points, normals, operator=operator, modes=40, surface=True)
+        diffusion = Diffusion.from_points(points, normals, operator=operator, modes=40)
         for config in (MatchConfig(), MatchConfig.paper()):
             match(diffusion, diffusion, config)
 

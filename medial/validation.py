@@ -1,15 +1,42 @@
 """What a cloud must be before an operator is built on it."""
 
 import logging
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from datasets_gen.records import InputError
 
 log = logging.getLogger(__name__)
 
 FEWEST_POINTS = 8
+
+
+@dataclass(frozen=True)
+class OrientedCloud:
+    """Points and normals that have been checked, and their kd-tree: what every step of an operator reads.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+    normals : (n, 3) float64
+        Unit, outward.
+    """
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.points)
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """The points' kd-tree, built on first use."""
+        return cKDTree(self.points)
 
 
 def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -33,17 +60,14 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     return checked
 
 
-def check_cloud(
-    points: NDArray[np.floating], normals: NDArray[np.floating]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return points and unit normals as (n, 3) float64.
+def unit_normals(points: NDArray[np.float64], normals: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return the normals of (n, 3) points as (n, 3) float64 of length 1.
 
     Raises
     ------
     InputError
-        If shapes differ, values are not finite or a normal has no length.
+        If the shapes differ, or a normal is not finite or has no length.
     """
-    points = check_points(points)
     normals = np.ascontiguousarray(normals, dtype=np.float64)
     if normals.shape != points.shape:
         raise InputError(
@@ -58,4 +82,16 @@ def check_cloud(
         )
     if np.abs(lengths - 1).max() > 1e-3:
         log.warning("normals are not unit (lengths %.3g to %.3g): normalised", lengths.min(), lengths.max())
-    return points, normals / lengths[:, None]
+    return normals / lengths[:, None]
+
+
+def check_cloud(points: NDArray[np.floating], normals: NDArray[np.floating]) -> OrientedCloud:
+    """Return points and unit normals as a cloud.
+
+    Raises
+    ------
+    InputError
+        As `check_points` and `unit_normals`.
+    """
+    points = check_points(points)
+    return OrientedCloud(points, unit_normals(points, normals))

@@ -1,4 +1,9 @@
-"""Figures, tables and the report page; reads only the results store."""
+"""Figures, tables and the report page of a results folder, and the command line.
+
+Read `cli` (what a user types), then `tables`, `figures` and `page`; `method_order` gives methods their order
+and colours everywhere. `given_clouds`, `ground_truth` and `draw` serve the calls of `medialbench` on clouds.
+Tables and page read only the results store; all but `given_clouds` may change without harm to results.
+"""
 
 from typing import Any
 

@@ -1,11 +1,20 @@
-"""Laser-triangulation scanner of [BLN*11], simulated with Mitsuba 3."""
+"""Laser-triangulation scanner of [BLN*11], simulated with Mitsuba 3.
 
-from scanner_sim.config import ScannerConfig
+Read `scanner_config` (every parameter), `scan` (the result) and `scanner` (one scan, step by step); then
+the folders ``optics`` (the physics), ``tracing`` (Mitsuba) and ``output`` (files for other programs).
+`ideal` samples a complete surface and measures how much of it a scan covers; `view_alignment` disturbs and
+repairs the placement of the views. All but ``output`` decides scans to the last bit.
+
+[BLN*11] Berger, Levine, Nonato, Taubin, Silva, "An end-to-end framework for evaluating surface
+reconstruction", SCI Technical Report UUSCI-2011-001.
+"""
+
 from scanner_sim.ideal import coverage, sample
-from scanner_sim.output.export import write_range_images
-from scanner_sim.output.preview import preview
+from scanner_sim.output.contact_sheet import write_contact_sheet
+from scanner_sim.output.range_images import write_range_images
 from scanner_sim.scan import Scan
 from scanner_sim.scanner import estimated_normals, scan
+from scanner_sim.scanner_config import ScannerConfig
 from scanner_sim.tracing.materials import MATERIALS
 from scanner_sim.tracing.variant import variant_report
 
@@ -15,9 +24,9 @@ __all__ = [
     "ScannerConfig",
     "coverage",
     "estimated_normals",
-    "preview",
     "sample",
     "scan",
     "variant_report",
+    "write_contact_sheet",
     "write_range_images",
 ]

@@ -2,13 +2,14 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
-from scanner_sim.config import ScannerConfig
 from scanner_sim.scan import Scan
-from scanner_sim.tracing.rig_frame import corner_normals, shading_normals
+from scanner_sim.scanner_config import ScannerConfig
+from scanner_sim.tracing.surface_points import corner_normals, shading_normals
 
 OVERSAMPLING = 5
 """Uniform samples drawn per point kept."""
@@ -32,6 +33,11 @@ def sample(shape: Shape, n: int, seed: int = 0, shading: str = "smooth") -> Scan
     -------
     Scan
         With intensity 1, view -1 and pixels (-1, -1); its points are the true ones.
+
+    Raises
+    ------
+    InputError
+        If `n` is less than 1 or the shape has no area.
     """
     if n < 1:
         raise InputError(f"cannot sample {n!r} points; ask for at least 1")
@@ -59,7 +65,25 @@ def sample(shape: Shape, n: int, seed: int = 0, shading: str = "smooth") -> Scan
 
 
 def uniform(shape: Shape, n: int, rng: np.random.Generator) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-    """Random surface points, uniform by area: face ids (n,) and barycentrics (n, 3)."""
+    """Random surface points, uniform by area.
+
+    Parameters
+    ----------
+    shape
+    n
+        Number of points.
+    rng
+
+    Returns
+    -------
+    face_ids : (n,) int32
+    barycentrics : (n, 3) float64
+
+    Raises
+    ------
+    InputError
+        If the shape has no area.
+    """
     areas = shape.face_areas
     if not areas.sum() > 0:
         raise InputError(f"shape {shape.name!r} has no area to sample")
@@ -88,9 +112,12 @@ def coverage(scan: Scan, shape: Shape, radius: float | None = None, samples: int
     -------
     float
         In [0, 1].
-    """
-    from scipy.spatial import cKDTree
 
+    Raises
+    ------
+    InputError
+        If the radius is not positive.
+    """
     if radius is None:
         radius = 0.01 * float(np.linalg.norm(np.ptp(shape.vertices, axis=0)))
     if not radius > 0:

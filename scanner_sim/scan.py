@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError, load_record, save_record
-from scanner_sim.config import ScannerConfig
+from scanner_sim.output.ply import write_points
+from scanner_sim.scanner_config import ScannerConfig
 
 
 @dataclass(frozen=True)
@@ -110,11 +111,22 @@ class Scan:
         return self.select(farthest_points(self.true_points, n, start))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything as ``.npz``, or the points with their attributes as ``.ply``."""
-        if Path(path).suffix.lower() == ".ply":
-            from scanner_sim.output.export import write_ply
+        """Write everything as ``.npz``, or the points with their attributes as ``.ply``.
 
-            write_ply(self, path)
+        Properties of a PLY vertex: doubles ``x y z``, barycentrics ``b0 b1 b2``, ``true_x true_y true_z`` and
+        the laser's ``angle`` and ``width`` in radians; floats ``nx ny nz intensity``; ints ``view face column
+        row``. Open3D (tensor reader) and trimesh keep all of them; MeshLab reads points, normals and
+        ``quality``, which repeats the intensity.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        if Path(path).suffix.lower() == ".ply":
+            unit = f"{self.scale!r} mm of the scanner per unit, peak threshold {self.config.peak_threshold}"
+            title = f"medialbench scan of {self.shape_name}, seed {self.seed}"
+            write_points(path, _ply_properties(self), (title, unit))
             return
         arrays = {name: getattr(self, name) for name in (*_ARRAYS, "poses")}
         meta = {name: getattr(self, name) for name in ("shape_name", "seed", "scale", "variant")}
@@ -131,3 +143,25 @@ class Scan:
 
 _WHOLE = ("poses", "scale", "shape_name", "config", "seed", "variant")
 _ARRAYS = [f.name for f in fields(Scan) if f.name not in _WHOLE]
+
+
+def _ply_properties(scan: Scan) -> dict[str, NDArray[Any]]:
+    """The attributes of a scan by name of the PLY property."""
+    table: list[tuple[str, type, NDArray[Any]]] = [
+        ("x y z", np.float64, scan.points),
+        ("nx ny nz", np.float32, scan.normals),
+        ("intensity", np.float32, scan.intensity),
+        ("quality", np.float32, scan.intensity),
+        ("view", np.int32, scan.view_ids),
+        ("face", np.int32, scan.face_ids),
+        ("column row", np.int32, scan.pixels),
+        ("b0 b1 b2", np.float64, scan.barycentrics),
+        ("true_x true_y true_z", np.float64, scan.true_points),
+        ("angle", np.float64, scan.angle),
+        ("width", np.float64, scan.width),
+    ]
+    properties: dict[str, NDArray[Any]] = {}
+    for names, kind, values in table:
+        columns: NDArray[Any] = np.asarray(values, kind).reshape(len(scan), len(names.split()))
+        properties.update(zip(names.split(), columns.T, strict=True))
+    return properties

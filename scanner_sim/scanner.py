@@ -3,24 +3,25 @@
 import logging
 from dataclasses import replace
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.checks import edge_face_counts, signed_volume
+from datasets_gen.meshes.geometry import winding_number
 from datasets_gen.points import normals
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
-from scanner_sim import view_alignment as registration
-from scanner_sim.config import ScannerConfig
+from scanner_sim import view_alignment
 from scanner_sim.optics import viewpoints
-from scanner_sim.optics.measurement import Measured, Verdict, measure
+from scanner_sim.optics.hits import Hits
+from scanner_sim.optics.measurement import Verdict, ViewMeasurement, measure
 from scanner_sim.scan import Scan
-from scanner_sim.tracing import brute_force as bruteforce
-from scanner_sim.tracing import variant
+from scanner_sim.scanner_config import ScannerConfig
+from scanner_sim.tracing import brute_force, variant
 from scanner_sim.tracing.materials import Attributes
-from scanner_sim.tracing.rays import Hits, Tracer
-from scanner_sim.tracing.rig_frame import winding_number
+from scanner_sim.tracing.tracer import Tracer
 
 _log = logging.getLogger(__name__)
 
@@ -103,7 +104,7 @@ class Rig:
                         f"{self.config.distance} mm (the object's largest side: {self.config.object_size} mm)"
                     )
 
-    def view(self, number: int, seed: int) -> tuple[Hits, Measured]:
+    def view(self, number: int, seed: int) -> tuple[Hits, ViewMeasurement]:
         """Look from one viewpoint.
 
         Raises
@@ -121,43 +122,25 @@ class Rig:
         rng = np.random.default_rng([seed, number])
         if self.config.bounces == 1:
             return hits, measure(hits, self.config, rng)
-        indirect = partial(bruteforce.indirect, self.tracer, self.poses[number], seed=seed)
+        indirect = partial(brute_force.indirect, self.tracer, self.poses[number], seed=seed)
         return hits, measure(hits, self.config, rng, indirect)
 
 
-def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:
+def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, ViewMeasurement]]) -> Scan:
     """Join the accepted points of all views in the mesh's frame and units."""
     shape, config, frame = rig.shape, rig.config, rig.tracer.frame
-    kept = [measured.verdict == Verdict.ACCEPTED for _, measured in views]
-    counts = [int(mask.sum()) for mask in kept]
+    accepted = [_accepted(*view, pose) for view, pose in zip(views, rig.poses, strict=True)]
+    counts = [len(each["points"]) for each in accepted]
     _report(shape, config, views, counts)
-    hit = [measured.index[mask] for (_, measured), mask in zip(views, kept, strict=True)]
-    placed = [
-        measured.points[mask] @ pose[:3, :3].T + pose[:3, 3]
-        for (_, measured), mask, pose in zip(views, kept, rig.poses, strict=True)
-    ]
-    facing = [h.normals[i] @ pose[:3, :3].T for (h, _), i, pose in zip(views, hit, rig.poses, strict=True)]
+    joined: dict[str, Any] = {name: np.concatenate([each[name] for each in accepted]) for name in accepted[0]}
+    view_ids = np.repeat(np.arange(len(views), dtype=np.int32), counts)
+    joined["points"] = _aligned(frame.to_mesh(joined["points"]), view_ids, config, seed)
     poses = rig.poses.copy()
     poses[:, :3, 3] = frame.to_mesh(poses[:, :3, 3])
-    face_ids = np.concatenate([h.face_ids[i] for (h, _), i in zip(views, hit, strict=True)])
-    barycentrics = np.concatenate([h.barycentrics[i] for (h, _), i in zip(views, hit, strict=True)])
-    view_ids = np.repeat(np.arange(len(views), dtype=np.int32), counts)
-    points = frame.to_mesh(np.concatenate(placed))
-    if config.registration_error > 0:
-        points = registration.disturb(points, view_ids, config.registration_error, seed)
-    if config.realign:
-        points = registration.realign(points, view_ids, seed)
     found = Scan(
-        points=points,
-        normals=np.concatenate(facing),
-        face_ids=face_ids,
-        barycentrics=barycentrics,
-        true_points=shape.at(face_ids, barycentrics),
-        intensity=np.concatenate([m.peak[mask] for (_, m), mask in zip(views, kept, strict=True)]),
+        **joined,
+        true_points=shape.at(joined["face_ids"], joined["barycentrics"]),
         view_ids=view_ids,
-        pixels=np.concatenate([h.pixels[i] for (h, _), i in zip(views, hit, strict=True)]),
-        width=np.concatenate([m.width[mask] for (_, m), mask in zip(views, kept, strict=True)]),
-        angle=np.concatenate([m.angle[mask] for (_, m), mask in zip(views, kept, strict=True)]),
         poses=poses,
         scale=frame.scale,
         shape_name=shape.name,
@@ -168,6 +151,33 @@ def _assemble(rig: Rig, seed: int, views: list[tuple[Hits, Measured]]) -> Scan:
     if config.normals == "true":
         return found
     return replace(found, normals=estimated_normals(found, config.normals, config.neighbours))
+
+
+def _accepted(hits: Hits, measured: ViewMeasurement, pose: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
+    """Attributes of a view's accepted points by their name in `Scan`; points and normals in the rig, mm."""
+    mask = measured.verdict == Verdict.ACCEPTED
+    hit = measured.index[mask]
+    return {
+        "points": measured.points[mask] @ pose[:3, :3].T + pose[:3, 3],
+        "normals": hits.normals[hit] @ pose[:3, :3].T,
+        "face_ids": hits.face_ids[hit],
+        "barycentrics": hits.barycentrics[hit],
+        "pixels": hits.pixels[hit],
+        "intensity": measured.peak[mask],
+        "width": measured.width[mask],
+        "angle": measured.angle[mask],
+    }
+
+
+def _aligned(
+    points: NDArray[np.float64], view_ids: NDArray[np.int32], config: ScannerConfig, seed: int
+) -> NDArray[np.float64]:
+    """Points with the error of bringing the views together, and with its repair, as configured."""
+    if config.registration_error > 0:
+        points = view_alignment.disturb(points, view_ids, config.registration_error, seed)
+    if config.realign:
+        points = view_alignment.realign(points, view_ids, seed)
+    return points
 
 
 def estimated_normals(scan: Scan, kind: str = "pca", neighbours: int = 12) -> NDArray[np.float64]:
@@ -185,6 +195,11 @@ def estimated_normals(scan: Scan, kind: str = "pca", neighbours: int = 12) -> ND
     -------
     (n, 3) float64
         Unit.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown, there are too few points, or ``"pca"`` is asked of a scan without viewpoints.
     """
     if kind == "mst":
         return normals.spanning_tree(scan.points, normals.pca(scan.points, neighbours), neighbours)
@@ -197,7 +212,7 @@ def estimated_normals(scan: Scan, kind: str = "pca", neighbours: int = 12) -> ND
 
 
 def _report(
-    shape: Shape, config: ScannerConfig, views: list[tuple[Hits, Measured]], counts: list[int]
+    shape: Shape, config: ScannerConfig, views: list[tuple[Hits, ViewMeasurement]], counts: list[int]
 ) -> None:
     """Raise InputError if nothing was acquired, and log views that acquired nothing."""
     empty = [number for number, count in enumerate(counts) if count == 0]

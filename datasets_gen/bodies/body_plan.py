@@ -11,8 +11,9 @@ from threadpoolctl import threadpool_limits
 from datasets_gen.bodies.implicit_surface import Body
 from datasets_gen.bodies.skeleton import Pose, Skeleton
 from datasets_gen.bodies.skinning import DeltaMush, bone_of, diffused_weights, dual_quaternion_skinning
+from datasets_gen.collection import Collection
 from datasets_gen.meshes.remeshing import compact, remesh
-from datasets_gen.shape import Collection, Shape
+from datasets_gen.shape import Shape
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -79,7 +80,7 @@ class BodyPlan:
         return size
 
 
-def triangulate(plan: BodyPlan, rounds: int = 12) -> tuple[Array, Ints, Ints | None]:
+def mesh_surface(plan: BodyPlan, rounds: int = 12) -> tuple[Array, Ints, Ints | None]:
     """Mesh the surface of a plan.
 
     A symmetric body is meshed on the side x >= 0 and completed by its mirror image, so that the mirror map
@@ -143,9 +144,9 @@ def _completed(vertices: Array, faces: Ints) -> tuple[Array, Ints, Ints]:
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # the last bits of a product depend on the threads
-def build(plan: BodyPlan, mush_steps: int = 12) -> Collection:
+def build_body(plan: BodyPlan, mush_steps: int = 12) -> Collection:
     """Mesh a body plan and pose it; every pose stands on y = 0."""
-    vertices, faces, mirror = triangulate(plan)
+    vertices, faces, mirror = mesh_surface(plan)
     owner = bone_of(vertices, plan.surface, plan.skeleton)
     weights = diffused_weights(vertices, faces, owner, plan.skeleton, plan.stiffness)
     mush = DeltaMush.of_rest(vertices, faces, mush_steps)

@@ -22,7 +22,7 @@ def unit(vector: ArrayLike) -> Array:
     return v / np.linalg.norm(v)
 
 
-def frame(axis: ArrayLike, front: ArrayLike) -> Array:
+def part_axes(axis: ArrayLike, front: ArrayLike) -> Array:
     """Rows (side, axis, front): an orthonormal frame about `axis` whose last row leans towards `front`."""
     along = unit(axis)
     forward = np.asarray(front, dtype=np.float64)
@@ -101,8 +101,8 @@ def sweep(
     first, last = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     axis = last - first
     return Part(
-        bones=tuple(bones.split()), start=first, axes=frame(axis, front), length=float(np.linalg.norm(axis)),
-        profile=profile, caps=caps, blend=blend, power=power, carve=carve,
+        bones=tuple(bones.split()), start=first, axes=part_axes(axis, front),
+        length=float(np.linalg.norm(axis)), profile=profile, caps=caps, blend=blend, power=power, carve=carve,
     )  # fmt: skip
 
 
@@ -120,7 +120,7 @@ def ellipsoid(
     """An ellipsoid with radii to the side, along `axis` and to the front."""
     middle = np.asarray(center, dtype=np.float64)
     return Part(
-        bones=tuple(bones.split()), start=middle, axes=frame(axis, front), length=0.0,
+        bones=tuple(bones.split()), start=middle, axes=part_axes(axis, front), length=0.0,
         profile=np.array([[0.0, radii[0], radii[2], 0, 0]]), caps=(radii[1], radii[1]),
         blend=blend, power=power, carve=carve,
     )  # fmt: skip

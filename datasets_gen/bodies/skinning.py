@@ -18,7 +18,8 @@ from scipy.spatial.transform import Rotation
 
 from datasets_gen.bodies.implicit_surface import Body
 from datasets_gen.bodies.skeleton import Skeleton, segment_distance
-from datasets_gen.meshes.remeshing import Edges, face_normals
+from datasets_gen.meshes.geometry import vertex_normals
+from datasets_gen.meshes.remeshing import Edges
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -142,11 +143,7 @@ class DeltaMush:
 
     def _frames(self, vertices: Array) -> Array:
         """Orthonormal rows (normal, tangent, bitangent) of each vertex, (v, 3, 3)."""
-        normal = np.zeros_like(vertices)
-        turn = face_normals(vertices, self.faces)
-        for k in range(3):
-            np.add.at(normal, self.faces[:, k], turn)
-        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        normal = vertex_normals(vertices, self.faces, "area")
         neighbour = np.empty(len(vertices), dtype=np.int64)
         neighbour[self.faces[:, 0]] = self.faces[:, 1]
         neighbour[self.faces[:, 1]] = self.faces[:, 2]

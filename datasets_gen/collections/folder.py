@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from datasets_gen.checks import admitted
+from datasets_gen.collection import Collection
 from datasets_gen.meshes.files import MESH_SUFFIXES, read_mesh, write_mesh
 from datasets_gen.meshes.mirroring import mirror_map
 from datasets_gen.records import InputError, atomic_path
-from datasets_gen.shape import Collection, Shape
+from datasets_gen.shape import Shape
 
 _log = logging.getLogger(__name__)
 
@@ -89,6 +90,42 @@ def load_folder(
     _check_shared(shapes, files)
     by_pose = dict(zip(order, admitted(shapes, repair), strict=True))
     return Collection(subject, tuple(by_pose[p] for p in wanted), by_pose[rest], mirror_map(by_pose[rest]))
+
+
+def outline_folder(
+    folder: str | os.PathLike[str],
+    *,
+    reference: str | None = None,
+    poses: Sequence[str] | None = None,
+    repair: bool = False,
+    units: str | None = None,
+) -> dict[str, Any]:
+    """Subject, poses and reference that `load_folder` would give, from the names of the files alone.
+
+    Parameters
+    ----------
+    folder, reference, poses, repair, units
+        As for `load_folder`; the last two change nothing here.
+
+    Returns
+    -------
+    dict
+        ``subject`` (str), ``poses`` (list of str, in order), ``reference`` (str).
+
+    Raises
+    ------
+    InputError
+        If the folder holds no meshes, or lacks a pose that is asked for.
+    """
+    root = Path(folder)
+    manifest = _read_manifest(root)
+    files = _pose_files(root, manifest)
+    subject = str(manifest.get("subject") or root.resolve().name)
+    return {
+        "subject": subject,
+        "poses": list(files) if poses is None else pose_list(poses, files, subject),
+        "reference": _reference_pose(files, reference, manifest, subject),
+    }
 
 
 def write_collection(

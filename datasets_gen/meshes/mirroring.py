@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from datasets_gen.meshes.geometry import vertex_normals
 from datasets_gen.shape import Shape
 
 SYMMETRIC = 4e-3  # accepted distance of reflected points from the surface, per bounding-box diagonal
@@ -118,26 +119,15 @@ def connectivity_mirror(
     return result if np.array_equal(result[result], np.arange(len(result))) else None
 
 
-def vertex_normals(shape: Shape) -> NDArray[np.float64]:
-    """Area-weighted unit normals of the vertices, (v, 3); zero for a vertex without faces."""
-    a, b, c = (shape.vertices[shape.faces[:, k]] for k in range(3))
-    cross = np.cross(b - a, c - a)
-    total = np.zeros_like(shape.vertices)
-    for k in range(3):
-        np.add.at(total, shape.faces[:, k], cross)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.divide(total, length, out=np.zeros_like(total), where=length > 0)
-
-
 def _best_plane(shape: Shape, tree: cKDTree, scale: float) -> tuple[Plane, NDArray[np.float64]]:
     """The plane of reflection and how far each reflected vertex is from the surface, at most `scale`."""
-    points, normals = shape.vertices, vertex_normals(shape)
+    points, normals = shape.vertices, vertex_normals(shape.vertices, shape.faces, "area")
     middles = points[shape.faces].mean(axis=1)
     centroid = np.average(middles, axis=0, weights=shape.face_areas)
-    spread = np.cov((middles - centroid).T, aweights=shape.face_areas)
+    covariance = np.cov((middles - centroid).T, aweights=shape.face_areas)
     sample = points[np.unique(np.linspace(0, len(points) - 1, min(SAMPLES, len(points))).astype(np.int64))]
     best: tuple[Plane, NDArray[np.float64]] | None = None
-    for axis in (*np.eye(3), *np.linalg.eigh(spread)[1].T):
+    for axis in (*np.eye(3), *np.linalg.eigh(covariance)[1].T):
         plane = _refined_plane(sample, tree, axis, centroid)
         image = reflect(points, *plane)
         nearest = tree.query(image)[1]

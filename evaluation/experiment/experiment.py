@@ -2,9 +2,10 @@
 
 Sections of the file (every key is a field below, with its default):
 
-``[[dataset]]`` (`Dataset`), ``[scan]`` (`Condition`: the base from which sweeps deviate), ``[operators]``
-(`Operators`), ``[stability]`` (`Stability`, Eq. 18), ``[matching]`` (`Matching`), ``[[method]]`` (`Method`),
-and ``name``, ``description``, ``seeds``, ``timeout``, ``evaluated`` at the top.
+``[[dataset]]`` (`DatasetSection`), ``[scan]`` (`ScanCondition`: the base from which sweeps deviate),
+``[operators]`` (`OperatorsSection`), ``[stability]`` (`StabilitySection`, Eq. 18), ``[matching]``
+(`MatchingSection`), ``[[method]]`` (`MethodSection`), and ``name``, ``description``, ``seeds``, ``timeout``,
+``evaluated`` at the top.
 """
 
 import itertools
@@ -12,27 +13,35 @@ import os
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from datasets_gen.records import InputError
-from evaluation.experiment.sections import Condition, Dataset, Matching, Method, Operators, Regime, Stability
-from evaluation.experiment.settings import build, expect, reject_unknown
+from evaluation.experiment.config_sections import (
+    DatasetSection,
+    MatchingSection,
+    MethodSection,
+    OperatorsSection,
+    Regime,
+    ScanCondition,
+    StabilitySection,
+)
+from evaluation.experiment.presets import presets
+from evaluation.experiment.toml_tables import dataclass_from_table, expect, reject_unknown, to_toml
 
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment:
-    """Everything that decides a sweep's results."""
+    """Everything that decides the results of a run."""
 
     name: str
     description: str = ""
-    dataset: tuple[Dataset, ...]
-    scan: Condition = field(default_factory=Condition)
-    operators: Operators = field(default_factory=Operators)
-    stability: Stability | None = None
-    matching: Matching | None = None
-    method: tuple[Method, ...] = ()
+    dataset: tuple[DatasetSection, ...]
+    scan: ScanCondition = field(default_factory=ScanCondition)
+    operators: OperatorsSection = field(default_factory=OperatorsSection)
+    stability: StabilitySection | None = None
+    matching: MatchingSection | None = None
+    method: tuple[MethodSection, ...] = ()
     seeds: tuple[int, ...] = (0,)
     timeout: float = 1800.0
     """Seconds after which a task is stopped and recorded as a failure."""
@@ -58,7 +67,7 @@ class Experiment:
         self.stability_conditions()
         self.regimes()
 
-    def stability_conditions(self) -> tuple[tuple[str, Condition], ...]:
+    def stability_conditions(self) -> tuple[tuple[str, ScanCondition], ...]:
         """Names and scan conditions of the Eq. 18 part."""
         if self.stability is None:
             return ()
@@ -83,6 +92,10 @@ class Experiment:
         """Every setting, as tables that `from_table` reads back."""
         return asdict(self)
 
+    def to_toml(self) -> str:
+        """Every setting as the text of a TOML file that `load` reads back."""
+        return to_toml(self.as_dict())
+
     @classmethod
     def from_table(cls, table: Mapping[str, Any], where: str = "experiment") -> "Experiment":
         """Build from parsed TOML.
@@ -95,20 +108,21 @@ class Experiment:
         values = dict(table)
         reject_unknown(values, [f.name for f in fields(cls)], where)
         values["dataset"] = tuple(
-            build(Dataset, each, f"{where}: [[dataset]]") for each in _list(values, "dataset", where)
+            dataclass_from_table(DatasetSection, each, f"{where}: [[dataset]]")
+            for each in _list(values, "dataset", where)
         )
         values["method"] = tuple(
             _method(each, f"{where}: [[method]]") for each in _list(values, "method", where)
         )
         sections = (
-            ("scan", Condition),
-            ("operators", Operators),
-            ("stability", Stability),
-            ("matching", Matching),
+            ("scan", ScanCondition),
+            ("operators", OperatorsSection),
+            ("stability", StabilitySection),
+            ("matching", MatchingSection),
         )
         for key, kind in sections:
             if values.get(key) is not None:
-                values[key] = build(kind, values[key], f"{where}: [{key}]")
+                values[key] = dataclass_from_table(kind, values[key], f"{where}: [{key}]")
         if "seeds" in values:
             seeds = values["seeds"]
             expect(
@@ -116,7 +130,7 @@ class Experiment:
                 f"{where}: seeds must be a list of integers, got {seeds!r}",
             )
             values["seeds"] = tuple(seeds)
-        return build(cls, values, where)
+        return dataclass_from_table(cls, values, where)
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> "Experiment":
@@ -147,14 +161,6 @@ class Experiment:
         return cls.from_table(_beside(table, folder), where)
 
 
-def presets() -> dict[str, str]:
-    """Text of every packaged experiment, by name."""
-    found = [each for each in files("evaluation.protocols").iterdir() if each.name.endswith(".toml")]
-    return {
-        each.name.removesuffix(".toml"): each.read_text(encoding="utf-8") for each in sorted(found, key=str)
-    }
-
-
 def _beside(table: dict[str, Any], folder: Path | None) -> dict[str, Any]:
     """Relative folders of data sets are meant from the TOML file's folder, if they exist there."""
     for each in table.get("dataset", []) if folder is not None else []:
@@ -171,14 +177,14 @@ def _list(values: Mapping[str, Any], key: str, where: str) -> Iterable[Any]:
     return found
 
 
-def _method(table: Any, where: str) -> Method:
+def _method(table: Any, where: str) -> MethodSection:
     """A method's table holds its options beside its name; `label` defaults to the name."""
     expect(
         isinstance(table, Mapping) and isinstance(table.get("name"), str),
         f"{where} needs a name, got {table!r}",
     )
     options = {key: value for key, value in table.items() if key not in ("name", "label", "options")}
-    return Method(
+    return MethodSection(
         name=table["name"],
         label=str(table.get("label", table["name"])),
         options={**table.get("options", {}), **options},
@@ -193,7 +199,7 @@ def _named(values: Mapping[str, Any]) -> str:
     return ", ".join(f"{key} {value}" for key, value in values.items()) or "scan"
 
 
-def _regime(base: Condition, values: Mapping[str, Any], name: str) -> Regime:
+def _regime(base: ScanCondition, values: Mapping[str, Any], name: str) -> Regime:
     """Values apply to both clouds, or to one with a prefix."""
     both = {key: value for key, value in values.items() if not key.startswith(("source.", "target."))}
     sides = {

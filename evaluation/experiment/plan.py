@@ -1,215 +1,46 @@
-"""From an experiment to tasks and the rows of its table."""
+"""The plan of an experiment: its tasks, and the rows of the table that they fill."""
 
-import itertools
 from collections.abc import Mapping
-from dataclasses import fields
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from datasets_gen.fingerprints import digest_files, seed_of
-from datasets_gen.records import InputError
-from datasets_gen.registry import names
-from evaluation.experiment.experiment import Experiment
-from evaluation.experiment.sections import Dataset, Method, Regime
-from evaluation.experiment.settings import reject_unknown
-from evaluation.experiment.subject_tasks import Plan, Row, Subject, scanner_settings
-from evaluation.methods.base import Method as MethodClass
-from evaluation.methods.registry import create, method_version, missing
-from evaluation.running.tasks import Task
-from medial.operator import OPERATORS, Operator
-from scanner_sim import ScannerConfig
+from evaluation.experiment.tasks import Task
 
 
-def shape_tasks(experiment: Experiment) -> dict[str, Task]:
-    """One task per data set, by the name the table shows."""
-    found: dict[str, Task] = {}
-    for dataset in experiment.dataset:
-        name = display_name(dataset)
-        if name in found:
-            raise InputError(f"two data sets are called {name!r}; rename one of the folders")
-        folder = Path(dataset.name)
-        if not folder.is_dir():
-            reject_unknown([dataset.name], names(), "experiment", "data set (and no folder of that name)")
-        files = [path for path in folder.iterdir() if path.is_file()] if folder.is_dir() else []
-        spec = {"name": str(folder.resolve()) if files else dataset.name, "options": dict(dataset.options)}
-        code = digest_files(*files) if files else ""
-        identity = {**spec, "name": name} if files else spec
-        task = Task.of("shape", identity, {}, name, code)
-        found[name] = Task(task.key, task.stage, spec, task.inputs, task.label)
-    return found
+@dataclass(frozen=True, slots=True)
+class PlannedRow:
+    """A row of the results table before its score is known.
 
-
-def display_name(dataset: Dataset) -> str:
-    """Name of a data set in tables: folders go by their last part."""
-    path = Path(dataset.name)
-    return path.resolve().name if path.is_dir() else dataset.name
-
-
-def make_plan(
-    experiment: Experiment, shapes: Mapping[str, Task], known: Mapping[str, Mapping[str, Any]]
-) -> Plan:
-    """All tasks of an experiment.
-
-    Parameters
+    Attributes
     ----------
-    experiment
-    shapes
-        From `shape_tasks`.
-    known
-        What the shape tasks noted, by name of the data set: ``subject``, ``poses``, ``reference``. A data set
-        that is not there (its shape failed, or was not made yet) is left out.
-
-    Raises
-    ------
-    InputError
-        If a pose, method or option is unknown.
+    columns : Mapping
+        What the row is about: data set, method, poses, thresholds, seed, keys of the results behind it.
+    score : str
+        Key of the score task that fills the other columns.
     """
-    _check(experiment)
-    plan = Plan()
-    for task in shapes.values():
-        plan.add(task)
-    methods = {}
-    for each in experiment.method:
-        method = create(each.name, each.options)
-        methods[each.label] = (method, method_version(each.name, method))
-    plan.unavailable = {each.label: reason for each in experiment.method if (reason := missing(each.name))}
-    for dataset in experiment.dataset:
-        name = display_name(dataset)
-        if name not in known:
-            continue
-        subject = Subject(experiment, plan, name, shapes[name].key, known[name], dataset)
-        for seed in experiment.seeds:
-            _plan_stability(subject, seed)
-            _plan_matching(subject, seed, methods)
-    return plan
+
+    columns: Mapping[str, Any]
+    score: str
 
 
-def _check(experiment: Experiment) -> None:
-    """Settings that are passed on: to the scanner and to operators.
+@dataclass
+class Plan:
+    """Tasks and rows of an experiment.
 
-    Raises
-    ------
-    InputError
-        If one is unknown or refused there.
+    Attributes
+    ----------
+    tasks : dict of str to Task
+        By key; inputs come before the tasks that need them.
+    rows : list of PlannedRow
+    unavailable : dict of str to str
+        Labels of methods that cannot run here, and why.
     """
-    conditions = [condition for _, condition in experiment.stability_conditions()]
-    conditions += [condition for each in experiment.regimes() for condition in (each.source, each.target)]
-    for condition in conditions:
-        reject_unknown(condition.scanner, [f.name for f in fields(ScannerConfig)], "scanner")
-        ScannerConfig.from_dict(scanner_settings(condition))
-    known = [f.name for f in fields(Operator) if f.name not in ("operator", "modes")]
-    for name in OPERATORS:
-        given = getattr(experiment.operators, name)
-        reject_unknown(given, [*known, "surface", "surface_modes"], f"[operators] {name}")
-        own = {key: value for key, value in given.items() if key in known}
-        Operator(operator=name, modes=experiment.operators.modes, **own)
 
+    tasks: dict[str, Task] = field(default_factory=dict)
+    rows: list[PlannedRow] = field(default_factory=list)
+    unavailable: dict[str, str] = field(default_factory=dict)
 
-def _plan_stability(subject: Subject, seed: int) -> None:
-    experiment = subject.experiment
-    if experiment.stability is None:
-        return
-    settings, spec = experiment.stability, dict[str, Any]()
-    for operator in settings.operators:
-        ideal = subject.ideal(seed)
-        reference = subject.operator(ideal, operator)
-        base: dict[str, Any] = {
-            "kind": "stability",
-            "dataset": subject.name,
-            "subject": subject.subject,
-            "seed": seed,
-        }
-        base |= {"method": operator, "operator": operator, "target_pose": subject.reference}
-        clouds: list[tuple[str, dict[str, Any]]] = [
-            (ideal, {"source_pose": subject.reference, "regime": "reference", "source_threshold": None})
-        ]
-        for name, condition in experiment.stability_conditions():
-            for pose in subject.poses:
-                about = {"source_pose": pose, "regime": name, "source_threshold": condition.threshold}
-                about["views"] = str(condition.views)
-                clouds.append((subject.cloud(pose, condition, seed), about))
-        for cloud, about in clouds:
-            inputs = {"shape": subject.shape, "scan": cloud, "reference_operator": reference}
-            inputs["operator"] = subject.operator(cloud, operator)
-            spec = {"kind": "stability", "pairs": settings.pairs, "times": settings.times}
-            spec["seed"] = seed_of("pairs", subject.subject, seed)
-            label = f"{subject.plan.tasks[cloud].label} {operator} eq18"
-            score = subject.plan.add(Task.of("score", spec, inputs, label))
-            keys = {"source_scan": cloud, "target_scan": ideal, "source_operator": inputs["operator"]}
-            subject.plan.rows.append(Row({**base, **about, **keys, "score_key": score}, score))
-
-
-def _plan_matching(subject: Subject, seed: int, methods: Mapping[str, tuple[MethodClass, str]]) -> None:
-    for regime in subject.experiment.regimes():
-        for source, target in _pairs(subject):
-            for choice in subject.experiment.method:
-                if choice.label not in subject.plan.unavailable:
-                    _plan_map(subject, seed, regime, (source, target), choice, *methods[choice.label])
-
-
-def _plan_map(
-    subject: Subject,
-    seed: int,
-    regime: Regime,
-    pair: tuple[str, str],
-    choice: Method,
-    method: MethodClass,
-    version: str,
-) -> None:
-    clouds = {
-        "source": subject.cloud(pair[0], regime.source, seed),
-        "target": subject.cloud(pair[1], regime.target, seed),
-    }
-    inputs = {"shape": subject.shape, **{f"{side}_scan": key for side, key in clouds.items()}}
-    for operator in method.operators:
-        inputs |= {f"{side}_{operator}": subject.operator(key, operator) for side, key in clouds.items()}
-    spec: dict[str, Any] = {"method": choice.name, "options": dict(choice.options)}
-    spec["seed"] = seed_of("map", subject.subject, *pair, seed)
-    label = f"{subject.name} {pair[0]} to {pair[1]} {choice.label}"
-    found = subject.plan.add(Task.of("map", spec, inputs, label, version))
-    ideal = subject.ideal(seed)
-    inputs = {"shape": subject.shape, **{f"{side}_scan": key for side, key in clouds.items()}, "map": found}
-    inputs["reference_medial"] = subject.operator(ideal, "medial")
-    spec = {"kind": "matching", "evaluated": subject.experiment.evaluated}
-    spec["seed"] = seed_of("evaluated", subject.subject, *pair, seed)
-    score = subject.plan.add(Task.of("score", spec, inputs, f"{label} error"))
-    columns = {
-        "kind": "matching",
-        "dataset": subject.name,
-        "subject": subject.subject,
-        "method": choice.label,
-        "operator": "+".join(method.operators) or None,
-        "source_pose": pair[0],
-        "source_threshold": regime.source.threshold,
-        "target_pose": pair[1],
-        "target_threshold": regime.target.threshold,
-        "regime": regime.name,
-        "views": str(regime.source.views),
-        "seed": seed,
-        "source_scan": clouds["source"],
-        "target_scan": clouds["target"],
-        "map_key": found,
-        "score_key": score,
-    }
-    subject.plan.rows.append(Row(columns, score))
-
-
-def _pairs(subject: Subject) -> list[tuple[str, str]]:
-    """Ordered pairs of poses to match."""
-    assert subject.experiment.matching is not None
-    rule, poses = subject.experiment.matching.pairs, subject.poses
-    every = [(a, b) for a in poses for b in poses if a != b]
-    if rule == "reference":
-        return [(subject.reference, pose) for pose in poses if pose != subject.reference]
-    if rule == "chain":
-        return list(itertools.pairwise(poses))
-    if rule == "all":
-        return every
-    if isinstance(rule, int):
-        rng = np.random.default_rng(seed_of("pairs", subject.subject))
-        return [every[i] for i in sorted(rng.permutation(len(every))[:rule])]
-    for pair in rule:
-        reject_unknown(pair, poses, f"matching pairs, data set {subject.name!r}", "pose")
-    return [(str(a), str(b)) for a, b in rule]
+    def add(self, task: Task) -> str:
+        """Enter a task, unless it is there already; returns its key."""
+        self.tasks.setdefault(task.key, task)
+        return task.key

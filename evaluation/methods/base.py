@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
-from evaluation.experiment.settings import build
+from evaluation.experiment.toml_tables import dataclass_from_table
 from medial.diffusion import Diffusion
-from medial.matching.config import Matching
+from medial.matching.result import Matching
 from scanner_sim.scan import Scan
 
 
 @dataclass(frozen=True)
-class Cloud:
+class MethodInput:
     """What a method may know of one side of a pair.
 
     Attributes
@@ -78,9 +78,9 @@ class Method:
         InputError
             If an option is unknown or refused.
         """
-        return build(cls, dict(options), f"method {cls.__name__}")
+        return dataclass_from_table(cls, dict(options), f"method {cls.__name__}")
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Find the target point of every source point.
 
         Returns
@@ -93,6 +93,18 @@ class Method:
     def fingerprint(self) -> str:
         """Hash of files that decide the result besides code and options; empty if there are none."""
         return ""
+
+
+def require(count: int, least: int, method: str) -> None:
+    """Raise unless there is enough of something for a method.
+
+    Raises
+    ------
+    InputError
+        If there is not.
+    """
+    if count < least:
+        raise InputError(f"{method} needs at least {least} points, got {count}; scan or keep more")
 
 
 def dense(

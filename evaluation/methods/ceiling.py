@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError
-from evaluation.methods.base import Cloud
+from evaluation.methods.base import MethodInput
 from evaluation.methods.spectral import Spectral
 from medial import Matching, extrapolate
 
@@ -23,7 +23,7 @@ class TruthLandmarks(Spectral):
 
     uses_truth = True
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Extrapolate from true landmarks, far apart on the rest pose, that both clouds hold."""
         if source.truth is None or target.truth is None:
             raise InputError("the ceiling needs the ground truth of both clouds")

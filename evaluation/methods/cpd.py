@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from evaluation.methods.base import Cloud, Method, dense
-from evaluation.methods.clouds import require, thinned, typical_confidence
-from evaluation.methods.rigid import align
+from evaluation.methods.base import Method, MethodInput, dense, require
+from evaluation.methods.rigid import align, thinned
 from medial import Matching
+from medial.matching.confidence import confidence_of_residual
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,7 @@ class CoherentPointDrift(Method):
 
     requires = {"pycpd": "pycpd"}  # noqa: RUF012
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Nearest target point of every displaced source point."""
         from pycpd import DeformableRegistration
 
@@ -49,4 +49,4 @@ class CoherentPointDrift(Method):
         square = ((moving[:, None] - nodes[None]) ** 2).sum(axis=2)  # (n, samples)
         moved = moving + np.exp(-square / (2 * self.beta**2)) @ weights
         distance, nearest = cKDTree(fixed).query(moved)
-        return dense(nearest, typical_confidence(distance), cost=float(distance.mean()), seed=seed)
+        return dense(nearest, confidence_of_residual(distance), cost=float(distance.mean()), seed=seed)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from datasets_gen.fingerprints import digest_files
 from datasets_gen.records import InputError, atomic_path
-from evaluation.experiment.settings import expect
-from evaluation.methods.base import Cloud, Method, dense
+from evaluation.experiment.toml_tables import expect
+from evaluation.methods.base import Method, MethodInput, dense
 from evaluation.results.store import ResultsStore
 from medial import Matching
 
@@ -45,7 +45,7 @@ class External(Method):
         """Hash of all correspondence files."""
         return digest_files(*(path for path in Path(self.folder).iterdir() if path.suffix in SUFFIXES))
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Read the file of the pair."""
         stem = Path(self.folder) / f"{source.name}--{target.name}"
         found = [path for suffix in SUFFIXES if (path := stem.with_name(stem.name + suffix)).is_file()]

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
-from evaluation.methods.base import Cloud, Method, dense
-from evaluation.methods.clouds import gradients, require, tangent_frames, typical_confidence
+from evaluation.methods.base import Method, MethodInput, dense, require
+from evaluation.methods.gradients import gradients, tangent_frames
 from medial import Diffusion, Matching
+from medial.matching.confidence import confidence_of_residual
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +39,7 @@ class FunctionalMaps(Method):
         """The modes it works in."""
         return ("robust",)
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """The map of functions on the target to functions on the source, read as a map of points."""
         from pyFM.functional import FunctionalMapping
         from pyFM.signatures import auto_WKS
@@ -57,7 +58,7 @@ class FunctionalMaps(Method):
         residual = np.linalg.norm(
             here.eigenvectors[:, :size] @ refined - there.eigenvectors[image, :size], axis=1
         )
-        return dense(image, typical_confidence(residual), cost=float(residual.mean()), seed=seed)
+        return dense(image, confidence_of_residual(residual), cost=float(residual.mean()), seed=seed)
 
 
 class _CloudMesh:

@@ -10,12 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from evaluation.experiment.settings import expect
-from evaluation.methods.base import Cloud, Method, dense
-from evaluation.methods.clouds import far_landmarks, neighbour_graph, require, typical_confidence
+from datasets_gen.points.farthest import farthest_in_metric
+from datasets_gen.points.neighbours import join_parts, neighbour_pairs
+from evaluation.experiment.toml_tables import expect
+from evaluation.methods.base import Method, MethodInput, dense, require
 from medial import Matching
+from medial.matching.confidence import confidence_of_residual
 
 QUANTILES = np.linspace(0.05, 0.95, 19)
 
@@ -37,32 +40,56 @@ class GeodesicGraph(Method):
         expect(self.landmarks >= 3, f"landmarks must be at least 3, got {self.landmarks!r}")
         expect(self.candidates >= self.landmarks, f"candidates must be at least {self.landmarks}")
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Match extremities, then everything by its distances to them."""
         require(min(len(source), len(target)), self.candidates, "geodesic-graph matching")
-        here = _Side(source.points, self.neighbours, self.landmarks, seed)
-        there = _Side(target.points, self.neighbours, self.candidates, seed)
+        here = _LandmarkDistances(source.points, self.neighbours, self.landmarks, seed)
+        there = _LandmarkDistances(target.points, self.neighbours, self.candidates, seed)
         pairs = agreeing(here, there, self.kept)
         tree = cKDTree(there.distances[pairs[:, 1]].T)
         residual, image = tree.query(here.distances[pairs[:, 0]].T)
         landmarks = np.column_stack([here.landmarks[pairs[:, 0]], there.landmarks[pairs[:, 1]]])
-        confidence = typical_confidence(residual)
+        confidence = confidence_of_residual(residual)
         return dense(image, confidence, landmarks=landmarks, cost=float(residual.mean()), seed=seed)
 
 
-class _Side:
-    """Landmarks of a cloud and relative distances: 1 is the mean distance between its points."""
+class _LandmarkDistances:
+    """Landmarks of a cloud and relative distances: 1 is the mean distance between its points.
+
+    Landmarks are in farthest-point order on the graph, from the point farthest from a random one: an
+    extremity.
+    """
 
     def __init__(self, points: NDArray[np.float64], neighbours: int, count: int, seed: int) -> None:
-        graph: csr_array = neighbour_graph(points, neighbours)
-        start = int(np.random.default_rng(seed).integers(len(points)))
-        self.landmarks, distances = far_landmarks(graph, count, start)
+        graph = neighbour_graph(points, neighbours)
+        random = int(np.random.default_rng(seed).integers(len(points)))
+        remote = int(dijkstra(graph, indices=random).argmax())
+        self.landmarks, distances = farthest_in_metric(lambda k: dijkstra(graph, indices=k), count, remote)
         self.distances = distances / distances.mean()  # (count, n)
         self.between = self.distances[:, self.landmarks]  # (count, count)
         self.profile = np.quantile(self.distances, QUANTILES, axis=1).T  # (count, quantiles)
 
 
-def agreeing(here: _Side, there: _Side, kept: int) -> NDArray[np.int64]:
+def neighbour_graph(points: NDArray[np.float64], neighbours: int) -> csr_array:
+    """Graph of nearest neighbours; what is apart is joined to the largest part by the shortest edge.
+
+    Parameters
+    ----------
+    points : (n, 3)
+    neighbours
+
+    Returns
+    -------
+    csr_array (n, n)
+        Euclidean edge lengths, positive; symmetric and connected.
+    """
+    i, j = join_parts(neighbour_pairs(cKDTree(points), neighbours), points, hub=True).T
+    lengths = np.maximum(np.linalg.norm(points[i] - points[j], axis=1), np.finfo(float).tiny)
+    both = (np.concatenate([i, j]), np.concatenate([j, i]))
+    return csr_array((np.concatenate([lengths, lengths]), both), shape=(len(points), len(points)))
+
+
+def agreeing(here: _LandmarkDistances, there: _LandmarkDistances, kept: int) -> NDArray[np.int64]:
     """Pairs (positions among the landmarks of either side) whose distances to each other agree best.
 
     All partners of the first three landmarks are tried; the best `kept` sets are extended landmark by

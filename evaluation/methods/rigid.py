@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from evaluation.methods.base import Cloud, Method, dense
-from evaluation.methods.clouds import require, thinned, typical_confidence
+from datasets_gen.points.farthest import farthest_points
+from evaluation.methods.base import Method, MethodInput, dense, require
 from medial import Matching
+from medial.matching.confidence import confidence_of_residual
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,12 +21,12 @@ class RigidNearest(Method):
     samples: int = 1500
     """Points of either cloud that the alignment uses."""
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Nearest target point of every aligned source point."""
         require(min(len(source), len(target)), 4, "rigid alignment")
         placed = align(source.points, target.points, self.iterations, self.samples, seed)
         distance, nearest = cKDTree(target.points).query(placed)
-        return dense(nearest, typical_confidence(distance), cost=float(distance.mean()), seed=seed)
+        return dense(nearest, confidence_of_residual(distance), cost=float(distance.mean()), seed=seed)
 
 
 def align(
@@ -54,6 +55,14 @@ def align(
             best = (cost, turn, shift, float(scale))
     assert best is not None
     return best[3] * source @ best[1].T + best[2]
+
+
+def thinned(points: NDArray[np.float64], count: int, seed: int) -> NDArray[np.int64]:
+    """Ids of farthest-point samples of points (n, d), (min(count, n),); all if there are no more."""
+    if len(points) <= count:
+        return np.arange(len(points))
+    start = int(np.random.default_rng(seed).integers(len(points)))
+    return farthest_points(points, count, start)
 
 
 def _orientations(source: NDArray[np.float64], target: NDArray[np.float64]) -> list[NDArray[np.float64]]:

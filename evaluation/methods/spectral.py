@@ -1,15 +1,15 @@
 """Matching by diffusion: one matcher, three operators. A comparison of these compares operators."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from evaluation.experiment.settings import reject_unknown
-from evaluation.methods.base import Cloud, Method
+from evaluation.experiment.toml_tables import reject_unknown
+from evaluation.methods.base import Method, MethodInput
 from medial import MatchConfig, Matching, match
 from medial.operator import OPERATORS
 
-CONFIGS = {"default": MatchConfig, "paper": MatchConfig.paper}
+CONFIGS: dict[str, Callable[[], MatchConfig]] = {"default": MatchConfig, "paper": MatchConfig.paper}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class Spectral(Method):
         reject_unknown(self.settings, [f.name for f in fields(MatchConfig)], "method settings")
         return MatchConfig.from_dict({**asdict(CONFIGS[self.config]()), **self.settings})
 
-    def match(self, source: Cloud, target: Cloud, seed: int) -> Matching:
+    def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Match in the modes of the operator."""
         return match(
             source.operators[self.operator], target.operators[self.operator], self.match_config(), seed

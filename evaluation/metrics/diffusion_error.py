@@ -5,12 +5,14 @@ point knows its face and barycentrics, and the same face and barycentrics on the
 Between the samples of P its eigenfunctions are interpolated (`interpolation`), at a sample itself
 exactly, so P against itself is 0.
 
-Units and normalisation: m_t has units of one over area. Both m_t are multiplied by the area of the reference
-mesh, which makes the error independent of the units of length; nothing else is normalised in ``eq18``. As
-further columns the same error is given with each m_t divided by the heat trace of its own cloud, as Sec.
-4 does for matching (``eq18_trace``), and relative to the size of the reference's m_t (``eq18_relative``).
+Units: m_t has units of one over area. Both m_t are multiplied by the area of the reference mesh, which makes
+the error independent of the units of length; the departure `eq18_area_factor` switches this off. Nothing else
+is normalised in ``eq18``. Further columns give the same error with each m_t divided by the heat trace of its
+own cloud, as Sec. 4 does for matching (``eq18_trace``), and relative to the size of the reference's m_t
+(``eq18_relative``).
 
-Times: both clouds use one set, taken from the spectrum of P, so that all scans of one subject share it.
+Times: both clouds use one set, taken from the spectrum of P (`medial.spectrum.times`), so that all scans of
+one subject share it.
 """
 
 from dataclasses import dataclass
@@ -22,13 +24,13 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.records import InputError
 from medial import Diffusion
+from medial.departures import ALL_DEPARTURES, Departures
 from medial.diffusion import decay
+from medial.spectrum.times import TIMES, logarithmic_times
 
 PAIRS = 10_000
 """|C| of Eq. 18."""
-TIMES = 25
 NEIGHBOURS = 4
-_CONNECTED = 1e-9  # eigenvalues below this share of the largest are the zeros of separate components
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class Stability:
     Attributes
     ----------
     eq18 : float
-        Eq. 18 as written, of the dimensionless kernel (area of the reference) * m_t.
+        Eq. 18 of the dimensionless kernel (area of the reference) * m_t.
     eq18_trace : float
         The same with each m_t divided by the heat trace of its cloud at t.
     eq18_relative : float
@@ -53,23 +55,6 @@ class Stability:
     eq18_relative: float
     times: NDArray[np.float64]
     per_time: NDArray[np.float64]
-
-
-def time_scales(eigenvalues: NDArray[np.float64], count: int = TIMES) -> NDArray[np.float64]:
-    """Logarithmic times from 4 ln 10 / lambda_max to 4 ln 10 / lambda_2 [SOG09], (count,).
-
-    lambda_2 is the smallest eigenvalue that is not the 0 of a separate component.
-
-    Raises
-    ------
-    InputError
-        If no eigenvalue is positive.
-    """
-    positive = eigenvalues[eigenvalues > _CONNECTED * eigenvalues.max()]
-    if not len(positive) or not positive[-1] > 0:
-        raise InputError("the operator has no positive eigenvalue: no time scales; use more modes")
-    span = 4 * np.log(10)
-    return np.geomspace(span / positive.max(), span / positive.min(), count)
 
 
 def interpolation(
@@ -118,6 +103,7 @@ def diffusion_error(
     pairs: int = PAIRS,
     times: int = TIMES,
     seed: int = 0,
+    departures: Departures = ALL_DEPARTURES,
 ) -> Stability:
     """Eq. 18 of a cloud against the well-sampled reference.
 
@@ -137,6 +123,8 @@ def diffusion_error(
         |C| and |T|.
     seed
         Draws the pairs.
+    departures
+        Without `eq18_area_factor`, m_t keeps its unit, one over area, and `area` is not used.
 
     Raises
     ------
@@ -147,22 +135,46 @@ def diffusion_error(
         raise InputError(f"cannot compare a {reference.operator!r} with a {cloud.operator!r} diffusion")
     if canonical.shape != (len(cloud), 3) or canonical_normals.shape != (len(cloud), 3):
         raise InputError(f"canonical points {canonical.shape} do not belong to a cloud of {len(cloud)}")
-    scales = time_scales(reference.eigenvalues, times)
+    scales = logarithmic_times(reference.eigenvalues, count=times)
+    factor = area if departures.eq18_area_factor else 1.0
     x, y = np.random.default_rng(seed).integers(len(cloud), size=(2, pairs))
     carry = interpolation(reference.points, reference.normals, canonical, canonical_normals)
-    here = area * kernel_of_pairs(cloud.eigenfunctions, cloud.eigenvalues, x, y, scales)
+    here = factor * kernel_of_pairs(cloud.eigenfunctions, cloud.eigenvalues, x, y, scales)
     carried = carry @ reference.eigenfunctions
-    there = area * kernel_of_pairs(carried, reference.eigenvalues, x, y, scales)
-    per_time = np.linalg.norm(here - there, axis=0) / pairs
-    traced = here / cloud.heat_trace(scales) - there / reference.heat_trace(scales)
+    there = factor * kernel_of_pairs(carried, reference.eigenvalues, x, y, scales)
+    per_time = kernel_error(here, there)
+    traced = kernel_error(here / cloud.heat_trace(scales), there / reference.heat_trace(scales))
     size = np.linalg.norm(there, axis=0) / pairs
     return Stability(
         eq18=float(per_time.mean()),
-        eq18_trace=float((np.linalg.norm(traced, axis=0) / pairs).mean()),
+        eq18_trace=float(traced.mean()),
         eq18_relative=float((per_time / size).mean()),
         times=scales,
         per_time=per_time,
     )
+
+
+def kernel_error(here: NDArray[np.float64], there: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Eq. 18: the error in medial diffusion, term by term; their mean over the times is E(P, Q).
+
+    As written, a term is the norm over the pairs divided by their number, so that it falls as 1 / sqrt(|C|):
+    values compare at one |C| only.
+
+    In the code (`diffusion_error`): m_t is multiplied by the area of the reference mesh, so that the error
+    has no unit; and between the samples of P, m_t(f(x), f(y)) is interpolated.
+
+    Parameters
+    ----------
+    here : (pairs, T)
+        m_t(x, y) on Q for the pairs C and the times, in one over area.
+    there : (pairs, T)
+        m_t(f(x), f(y)) on P.
+
+    Returns
+    -------
+    (T,) in the unit of m_t
+    """
+    return np.asarray(np.linalg.norm(here - there, axis=0) / len(here))
 
 
 def kernel_of_pairs(

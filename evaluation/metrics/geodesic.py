@@ -5,6 +5,10 @@ The graph holds, besides the mesh edges, the straight lines over short unfolded 
 enter it by exact straight lines. Pairs are found by A* with landmark bounds (the triangle inequality on
 exact graph distances from a few far-apart vertices), which visits little more than the path itself. Distances
 are never shorter than the true ones by more than rounding and longer by a fraction of a per cent.
+
+Compared with edge flips, the heat method and Dijkstra on the edges (``python -m
+tests.benchmarks.surface_distances``): 7 to 15 times faster per pair, and 0.1 % too long on average where
+those are 0.1, 0.7 and 5 %.
 """
 
 import numpy as np
@@ -13,6 +17,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from datasets_gen.compiled import compiled
+from datasets_gen.points.farthest import farthest_in_metric
 from datasets_gen.shape import Shape
 from evaluation.metrics.unfolding import (
     ENTRY_DEPTH,
@@ -111,15 +116,8 @@ def _graph(
 
 def _landmark_distances(graph: csr_array, count: int) -> NDArray[np.float64]:
     """Distances of every vertex from `count` far-apart vertices, (v, count)."""
-    columns = []
-    nearest = np.full(graph.shape[0], np.inf)
-    source = 0
-    for _ in range(min(count, graph.shape[0])):
-        distances = dijkstra(graph, directed=False, indices=source)
-        columns.append(distances)
-        nearest = np.minimum(nearest, distances)
-        source = int(nearest.argmax())
-    return np.ascontiguousarray(np.column_stack(columns))
+    rows = farthest_in_metric(lambda k: dijkstra(graph, directed=False, indices=k), count, 0)[1]
+    return np.ascontiguousarray(rows.T)
 
 
 @compiled()

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from trimesh.triangles import closest_point, points_to_barycentric
 
 from datasets_gen.shape import Shape
 from evaluation.metrics.correspondence import SurfacePoints
@@ -32,7 +33,7 @@ def mirror_points(shape: Shape, mirror: NDArray[np.int64], points: SurfacePoints
     faces = around[rows, columns]
     weights = closest_barycentrics(shape.vertices[shape.faces[faces]], wanted[rows])
     gaps = np.linalg.norm(shape.at(faces, weights) - wanted[rows], axis=1)
-    order = np.lexsort((gaps, rows))
+    order = np.lexsort((gaps, rows))  # nan, of faces without area, comes last
     best = order[np.searchsorted(rows[order], np.arange(len(points)))]
     return SurfacePoints(faces[best], weights[best])
 
@@ -54,36 +55,15 @@ def closest_barycentrics(triangles: NDArray[np.float64], points: NDArray[np.floa
     Parameters
     ----------
     triangles : (n, 3, 3)
+        Corners.
     points : (n, 3)
 
     Returns
     -------
     (n, 3) float64
-        In [0, 1], summing to 1.
+        In [0, 1], summing to 1; nan where a triangle has no area.
     """
-    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    candidates = [_plane_barycentrics(a, b, c, points)]
-    for first, second in ((0, 1), (1, 2), (2, 0)):
-        start, end = triangles[:, first], triangles[:, second]
-        edge = end - start
-        length = np.maximum(np.einsum("nd,nd->n", edge, edge), np.finfo(float).tiny)
-        along = np.clip(np.einsum("nd,nd->n", points - start, edge) / length, 0, 1)
-        weights = np.zeros((len(points), 3))
-        weights[:, first], weights[:, second] = 1 - along, along
-        candidates.append(weights)
-    stacked = np.stack(candidates)  # (4, n, 3)
-    gaps = np.linalg.norm(np.einsum("knc,ncd->knd", stacked, triangles) - points, axis=2)
-    gaps[(stacked < 0).any(axis=2)] = np.inf
-    return stacked[gaps.argmin(axis=0), np.arange(len(points))]
-
-
-def _plane_barycentrics(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], points: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Barycentrics of the projections to the triangles' planes, (n, 3); negative outside."""
-    u, v, w = b - a, c - a, points - a
-    uu, uv, vv = (np.einsum("nd,nd->n", p, q) for p, q in ((u, u), (u, v), (v, v)))
-    wu, wv = np.einsum("nd,nd->n", w, u), np.einsum("nd,nd->n", w, v)
-    scale = np.maximum(uu * vv - uv * uv, np.finfo(float).tiny)
-    second, third = (vv * wu - uv * wv) / scale, (uu * wv - uv * wu) / scale
-    return np.column_stack([1 - second - third, second, third])
+    closest = closest_point(triangles, points)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        weights = np.clip(points_to_barycentric(triangles, closest, method="cross"), 0, 1)  # rounding
+        return weights / weights.sum(axis=1, keepdims=True)

@@ -1,1 +1,4 @@
-"""Experiments that come with the package, as TOML files."""
+"""The packaged experiments, one TOML file each; `evaluation.experiment.presets` reads them.
+
+Every setting in these files decides results, except ``name``, ``description`` and ``timeout``.
+"""

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from datasets_gen.records import InputError, atomic_path
 from evaluation.experiment.experiment import Experiment
-from evaluation.experiment.toml import dumps
+from evaluation.results.folder_lock import lock_folder
 from evaluation.results.store import FOLDERS, FORMAT, ResultsStore, write_json
 from evaluation.results.table import COLUMNS
-from evaluation.running.locking import lock
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,13 +52,13 @@ def merge_results(folders: Sequence[str | os.PathLike[str]], out: str | os.PathL
     experiment = _joint([(store.folder, Experiment.from_table(store.settings)) for store in stores])
     table = _joint_table(stores)
     target = Path(out).resolve()
-    if target.is_dir() and any(each.name != ".lock" for each in target.iterdir()):
+    if target.is_dir() and any(not each.name.startswith(".lock") for each in target.iterdir()):
         raise InputError(f"{str(out)!r} holds files already; merge into a new folder")
-    with lock(target):
+    with lock_folder(target):
         for store in stores:
             _link(store.folder, target)
         with atomic_path(target / "experiment.toml") as temporary:
-            temporary.write_text(dumps(experiment.as_dict()), encoding="utf-8")
+            temporary.write_text(experiment.to_toml(), encoding="utf-8")
         _write_tables(stores, table, target)
         write_json(target / "run.json", _joint_info(stores, experiment, len(table)))
     return ResultsStore(target)

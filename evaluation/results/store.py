@@ -4,25 +4,28 @@
 
     experiment.toml   the experiment, every setting spelled out
     run.json          versions, machine, wall time, counts
-    shapes/ renders/ scans/ operators/ maps/    <key>.npz: the result, <key>.json: what made it, time, memory
+    shapes/ renders/ scans/ operators/ maps/    <key>.npz: the result; <key>.json: its record
     scores/<key>.json failures/<key>.json
     table.parquet, table.csv, failures.csv      merged
 
 A result counts as done if its ``.json`` can be read and its ``.npz`` has the size noted there, so a file
-that was cut short is simply made again.
+that was cut short is simply made again. The record holds settings, keys of inputs, versions of libraries,
+time and memory.
 """
 
 import json
 import os
+import platform
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from datasets_gen import Collection, InputError
+from datasets_gen.fingerprints import library_versions
 from datasets_gen.records import atomic_path
-from evaluation.results.collection_file import load_collection
-from evaluation.running.tasks import Report, Task
+from evaluation.experiment.tasks import STAGES, Task
+from evaluation.results.outcome import Outcome
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,7 +33,11 @@ if TYPE_CHECKING:
     from medial import Diffusion, Matching
     from scanner_sim import Scan
 
-FORMAT = 1
+FORMAT = 2
+"""Of the files in a results folder. Another one than `READABLE` is refused with one line."""
+READABLE = (1, 2)
+"""Formats that can be read. In format 1, ``mirror_check`` is called ``flip_decision`` and has other words."""
+FORMAT_1_WORDS = {"kept": "agrees", "flipped": "overruled"}
 FOLDERS = {
     "shape": "shapes",
     "render": "renders",
@@ -44,7 +51,7 @@ TIMING = ("seconds_operator", "seconds_match", "peak_memory_mb")
 
 
 class ResultsStore:
-    """A results folder, for reading; the sweep writes through it.
+    """A results folder, for reading; a run writes through it.
 
     Parameters
     ----------
@@ -60,7 +67,7 @@ class ResultsStore:
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
         found = self.run_info().get("format", FORMAT)
-        if found != FORMAT:
+        if found not in READABLE:
             raise InputError(
                 f"{str(folder)!r} holds results of format {found!r}, this version reads {FORMAT}; "
                 "use another folder, or the version that made it"
@@ -93,9 +100,13 @@ class ResultsStore:
         if not path.is_file():
             raise InputError(f"{str(self.folder)!r} holds no results table; run `medialbench run` first")
         try:
-            return pd.read_parquet(path)
+            table = pd.read_parquet(path)
         except (OSError, ValueError) as error:
-            raise InputError(f"{str(path)!r} is not readable ({error}); run the sweep again") from error
+            raise InputError(f"{str(path)!r} is not readable ({error}); run the experiment again") from error
+        if "flip_decision" in table:
+            table = table.rename(columns={"flip_decision": "mirror_check"})
+            table["mirror_check"] = table["mirror_check"].replace(FORMAT_1_WORDS)
+        return table
 
     def failures(self) -> "pd.DataFrame":
         """Tasks of the last run that have no result: key, stage, label, kind, reason."""
@@ -135,7 +146,7 @@ class ResultsStore:
         keys = self.run_info().get("datasets", {})
         if dataset not in keys:
             raise InputError(f"{str(self.folder)!r} has no data set {dataset!r}; it has {sorted(keys)}")
-        return load_collection(self.path("shape", keys[dataset]))
+        return Collection.load(self.path("shape", keys[dataset]))
 
     @cached_property
     def settings(self) -> dict[str, Any]:
@@ -166,7 +177,18 @@ class ResultsStore:
     def write_record(
         self, task: Task, seconds: float, cpu_seconds: float, memory_mb: float | None, info: Mapping[str, Any]
     ) -> None:
-        """Note a finished task; its file, if it has one, is in place already. Clears an earlier failure."""
+        """Note a finished task; its file, if it has one, is in place already. Clears an earlier failure.
+
+        Parameters
+        ----------
+        task
+        seconds, cpu_seconds
+            Of computing and storing.
+        memory_mb
+            Peak memory of the process meanwhile; None if unknown.
+        info
+            What the stage found, besides its file.
+        """
         size = None if task.stage == "score" else self.path(task.stage, task.key).stat().st_size
         record = {
             "key": task.key,
@@ -174,6 +196,7 @@ class ResultsStore:
             "label": task.label,
             "spec": task.spec,
             "inputs": task.inputs,
+            "versions": {"python": platform.python_version(), **library_versions(STAGES[task.stage])},
             "seconds": seconds,
             "cpu_seconds": cpu_seconds,
             "peak_memory_mb": memory_mb,
@@ -183,16 +206,16 @@ class ResultsStore:
         write_json(self.folder / FOLDERS[task.stage] / f"{task.key}.json", record)
         (self.folder / "failures" / f"{task.key}.json").unlink(missing_ok=True)
 
-    def write_failure(self, report: Report) -> None:
+    def write_failure(self, outcome: Outcome) -> None:
         """Note why a task has no result. Failures are never taken for results: the next run tries again."""
-        task = report.task
+        task = outcome.task
         note: dict[str, Any] = {
             "key": task.key,
             "stage": task.stage,
             "label": task.label,
-            "kind": report.kind,
+            "kind": outcome.kind,
         }
-        note |= {"reason": report.reason, "detail": report.detail, "spec": task.spec, "inputs": task.inputs}
+        note |= {"reason": outcome.reason, "detail": outcome.detail, "spec": task.spec, "inputs": task.inputs}
         write_json(self.folder / "failures" / f"{task.key}.json", note)
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from datasets_gen.records import atomic_path
 from evaluation.experiment.plan import Plan
+from evaluation.results.outcome import Outcome
 from evaluation.results.store import ResultsStore
-from evaluation.running.tasks import Report
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,7 +38,7 @@ COLUMNS: dict[str, str] = {
     "geodesic_symmetric_mean": "Float64",
     "geodesic_overlap": "Float64",
     "flipped": "boolean",
-    "flip_decision": "string",
+    "mirror_check": "string",
     "pck_auc": "Float64",
     "pck_01": "Float64",
     "pck_02": "Float64",
@@ -63,7 +63,7 @@ COLUMNS: dict[str, str] = {
 """Columns and their types. Lengths are in sqrt(area of the reference), times 100; shares are in [0, 1]."""
 
 
-def merge(store: ResultsStore, plan: Plan, failures: Iterable[Report]) -> "pd.DataFrame":
+def write_tables(store: ResultsStore, plan: Plan, failures: Iterable[Outcome]) -> "pd.DataFrame":
     """Write ``table.parquet``, ``table.csv`` and ``failures.csv``; rows are in the order of the plan.
 
     Parameters
@@ -72,6 +72,12 @@ def merge(store: ResultsStore, plan: Plan, failures: Iterable[Report]) -> "pd.Da
     plan
         Rows without a stored score are left out.
     failures
+        Tasks without a result.
+
+    Returns
+    -------
+    DataFrame
+        The table: `COLUMNS`, with their types.
     """
     import pandas as pd
 
@@ -82,8 +88,14 @@ def merge(store: ResultsStore, plan: Plan, failures: Iterable[Report]) -> "pd.Da
     with atomic_path(store.folder / "table.csv") as temporary:
         table.to_csv(temporary, index=False)
     lines = [
-        {"key": r.task.key, "stage": r.task.stage, "label": r.task.label, "kind": r.kind, "reason": r.reason}
-        for r in failures
+        {
+            "key": each.task.key,
+            "stage": each.task.stage,
+            "label": each.task.label,
+            "kind": each.kind,
+            "reason": each.reason,
+        }
+        for each in failures
     ]
     with atomic_path(store.folder / "failures.csv") as temporary:
         pd.DataFrame(lines, columns=["key", "stage", "label", "kind", "reason"]).to_csv(

@@ -4,13 +4,14 @@ import contextlib
 import logging
 import os
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from datasets_gen.records import InputError
+from evaluation.running.environment import usable_processors, versions
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -41,7 +42,7 @@ class Cluster:
     dashboard : str
         Address of Dask's dashboard, or how to get one; empty if there is none.
     patience : float
-        Seconds without any worker after which a sweep gives up: a queue may bring new ones to a running
+        Seconds without any worker after which a run gives up: a queue may bring new ones to a running
         cluster, nothing does to a local one whose workers cannot be restarted.
     """
 
@@ -68,7 +69,8 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
     Raises
     ------
     InputError
-        If the scheduler cannot be reached, has no workers, or they do not see the folder.
+        If the scheduler cannot be reached or has no workers, or if they do not see the folder or have other
+        versions of the libraries.
     """
     import dask
     from distributed import Client, LocalCluster
@@ -77,7 +79,7 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         if scheduler is None:
             local = LocalCluster(
-                n_workers=jobs or _processors(),
+                n_workers=jobs or usable_processors(),
                 threads_per_worker=1,
                 processes=True,
                 dashboard_address=":0",
@@ -106,7 +108,10 @@ def _join(kind: type["Client"], scheduler: str) -> "Client":
 
 
 def _check(client: "Client", folder: Path) -> None:
-    """Every worker must see the results folder, since all results go through it."""
+    """Check that workers see the results folder, through which all results go, and have the same versions.
+
+    Keys of results hold the versions here: with others on a worker they would name the wrong results.
+    """
     token = folder / f".probe-{uuid.uuid4().hex}"
     token.touch()
     try:
@@ -118,11 +123,20 @@ def _check(client: "Client", folder: Path) -> None:
         raise InputError(
             f"worker {blind[0]} does not see {str(folder)!r}; use a folder on a shared file system"
         )
+    _compare_versions(versions(), client.run(versions, on_error="return"))
 
 
-def _processors() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def _compare_versions(here: Mapping[str, str], found: Mapping[str, Any]) -> None:
+    """Raise `InputError` for the first worker whose versions differ from those of this process."""
+    for address, there in sorted(found.items()):
+        if isinstance(there, BaseException):
+            raise InputError(f"worker {address} cannot use medialbench ({there}); install it there")
+        for name, wanted in here.items():
+            if there.get(name) != wanted:
+                raise InputError(
+                    f"worker {address} has {name} {there.get(name, 'missing')}, this process has {wanted}; "
+                    "install the same versions everywhere"
+                )
 
 
 def _dashboard(client: "Client") -> str:

@@ -1,24 +1,24 @@
-"""What a sweep tells while it runs."""
+"""What a run tells while it goes on: the callbacks, and a forecast of the time that remains."""
 
 import time
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
-from evaluation.running.tasks import STAGES, Report
+from evaluation.results.outcome import Outcome
 
-TYPICAL = {"shape": 8.0, "render": 8.0, "scan": 0.6, "operator": 2.0, "map": 3.0, "score": 1.0}
-"""Seconds per task of each stage, until some were measured."""
+TYPICAL = {"shape": 15.0, "render": 2.0, "scan": 0.2, "operator": 1.5, "map": 14.0, "score": 0.7}
+"""Seconds per task of each stage, until some were measured: means of the preset ``quick`` on two cores."""
 
 
-class Progress(Protocol):
+class ProgressCallbacks(Protocol):
     """Callbacks of `evaluation.run`."""
 
     def begin(self, waiting: Mapping[str, int], stored: int, workers: int, dashboard: str) -> None:
-        """Tasks are about to run: how many by stage, how many results were there already. May come twice."""
+        """Tasks are about to run: how many by stage, how many results were there already."""
 
-    def advance(self, report: Report) -> None:
+    def advance(self, outcome: Outcome) -> None:
         """A task has ended."""
 
     def end(self) -> None:
@@ -31,29 +31,56 @@ class Silent:
     def begin(self, waiting: Mapping[str, int], stored: int, workers: int, dashboard: str) -> None:
         """Nothing."""
 
-    def advance(self, report: Report) -> None:
+    def advance(self, outcome: Outcome) -> None:
         """Nothing."""
 
     def end(self) -> None:
         """Nothing."""
 
 
+def seconds_of(waiting: Mapping[str, int], per_task: Mapping[str, float]) -> float:
+    """Seconds that tasks would take one after the other.
+
+    Parameters
+    ----------
+    waiting
+        Number of tasks by stage.
+    per_task
+        Seconds per task by stage; 1 where a stage is not listed.
+    """
+    return sum(count * per_task.get(stage, 1.0) for stage, count in waiting.items())
+
+
 @dataclass
 class Forecast:
-    """Throughput and time left, from what tasks of each stage have taken so far."""
+    """Throughput and time that remains, from what tasks of each stage have taken so far.
+
+    Attributes
+    ----------
+    waiting : dict of str to int
+        Tasks that have not ended, by stage.
+    workers : int
+    spent : dict of str to float
+        Seconds of the tasks that ended, by stage.
+    done : dict of str to int
+        Number of tasks that ended, by stage.
+    """
 
     waiting: dict[str, int]
     workers: int
     spent: dict[str, float] = field(default_factory=lambda: defaultdict(float))
     done: dict[str, int] = field(default_factory=lambda: defaultdict(int))
     started: float = field(default_factory=time.perf_counter)
+    last: float = field(default_factory=time.perf_counter)
 
-    def advance(self, report: Report) -> None:
-        """Count a task that has ended."""
-        stage = report.task.stage
+    def advance(self, outcome: Outcome) -> None:
+        """Count a task that has ended; one that was never run (blocked) says nothing of its stage."""
+        stage = outcome.task.stage
         self.waiting[stage] = max(self.waiting.get(stage, 0) - 1, 0)
-        self.done[stage] += 1
-        self.spent[stage] += report.seconds
+        self.last = time.perf_counter()
+        if outcome.kind != "blocked":
+            self.done[stage] += 1
+            self.spent[stage] += outcome.seconds
 
     @property
     def throughput(self) -> float:
@@ -62,66 +89,11 @@ class Forecast:
 
     @property
     def seconds_left(self) -> float:
-        """Work left over the number of workers."""
-        total = 0.0
-        for stage, count in self.waiting.items():
-            mean = self.spent[stage] / self.done[stage] if self.done.get(stage) else TYPICAL.get(stage, 1.0)
-            total += count * mean
-        return total / max(self.workers, 1)
+        """Seconds that remain: the measured mean of each stage times its waiting tasks, over the workers.
 
-
-class Bars:
-    """One progress bar on the terminal: counts by stage, tasks per second, time left."""
-
-    def __init__(self, console: Any = None) -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
-        from rich.progress import Progress as Rich
-
-        self._rich = Rich(
-            TextColumn("[bold]{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("{task.fields[rate]}"),
-            console=console,
-            refresh_per_second=2,
-        )
-        self._bar: Any = None
-        self._forecast = Forecast({}, 1)
-
-    def begin(self, waiting: Mapping[str, int], stored: int, workers: int, dashboard: str) -> None:
-        """Show the bar."""
-        self._forecast = Forecast(dict(waiting), workers)
-        if self._bar is None:
-            self._rich.start()
-            if dashboard:
-                self._rich.console.print(f"dashboard: {dashboard}", highlight=False)
-        else:
-            self._rich.remove_task(self._bar)
-        total = sum(waiting.values())
-        self._bar = self._rich.add_task("starting", total=total, rate=f"{stored} stored" if stored else "")
-
-    def advance(self, report: Report) -> None:
-        """Move the bar."""
-        self._forecast.advance(report)
-        left = " ".join(f"{stage} {n}" for stage in STAGES if (n := self._forecast.waiting.get(stage)))
-        rate = f"{self._forecast.throughput:.1f} tasks/s, {clock(self._forecast.seconds_left)} left"
-        if not report.ok and report.kind != "blocked":
-            self._rich.console.print(
-                f"[red]failed[/red] {report.task.label}: {report.reason}", highlight=False
-            )
-        self._rich.update(self._bar, advance=1, description=left or "done", rate=rate)
-
-    def end(self) -> None:
-        """Leave the finished bar on the screen."""
-        if self._bar is not None:
-            self._rich.stop()
-            self._bar = None
-
-
-def clock(seconds: float) -> str:
-    """Minutes and seconds, or hours and minutes."""
-    whole = round(seconds)
-    if whole >= 3600:
-        return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
-    return f"{whole // 60}:{whole % 60:02d}"
+        Stages of which no task has ended count with `TYPICAL`. The time since the last task ended is
+        subtracted, so that the value falls while tasks run.
+        """
+        measured = {stage: self.spent[stage] / count for stage, count in self.done.items() if count}
+        left = seconds_of(self.waiting, {**TYPICAL, **measured}) / max(self.workers, 1)
+        return max(left - (time.perf_counter() - self.last), 0.0)

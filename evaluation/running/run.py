@@ -2,64 +2,28 @@
 
 import contextlib
 import os
-import platform
 import time
 import uuid
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 from datasets_gen.fingerprints import digest
 from datasets_gen.records import atomic_path
+from datasets_gen.registry import outline
 from evaluation.experiment.experiment import Experiment
-from evaluation.experiment.plan import Plan, make_plan, shape_tasks
-from evaluation.experiment.toml import dumps
+from evaluation.experiment.make_plan import make_plan, shape_tasks
+from evaluation.experiment.plan import Plan
+from evaluation.experiment.tasks import Task
+from evaluation.results.folder_lock import lock_folder
+from evaluation.results.outcome import Outcome
 from evaluation.results.store import FORMAT, ResultsStore, write_json
-from evaluation.results.table import merge
+from evaluation.results.table import write_tables
 from evaluation.running.cluster import Cluster, connect
-from evaluation.running.locking import lock
-from evaluation.running.progress import Progress, Silent
-from evaluation.running.sweep import by_stage, execute
-from evaluation.running.tasks import Report, Task
-
-LIBRARIES = (
-    "medialbench",
-    "numpy",
-    "scipy",
-    "numba",
-    "mitsuba",
-    "drjit",
-    "robust-laplacian",
-    "dask",
-    "pandas",
-)
-
-
-@dataclass
-class Outlook:
-    """What a run would do, or did.
-
-    Attributes
-    ----------
-    waiting : Mapping
-        Tasks to run by stage.
-    stored : int
-        Results that are there already.
-    rows : int
-        Rows of the finished table.
-    unavailable : Mapping
-        Labels of methods that cannot run here, and why.
-    unknown : tuple of str
-        Data sets whose poses are known only once they have been made: their tasks are not counted.
-    """
-
-    waiting: Mapping[str, int]
-    stored: int
-    rows: int
-    unavailable: Mapping[str, str] = field(default_factory=dict)
-    unknown: tuple[str, ...] = ()
+from evaluation.running.environment import machine, versions
+from evaluation.running.execute import execute
+from evaluation.running.progress import ProgressCallbacks, Silent
+from evaluation.running.task_queue import by_stage
 
 
 def run(
@@ -69,7 +33,7 @@ def run(
     jobs: int | None = None,
     scheduler: str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: ProgressCallbacks | None = None,
 ) -> ResultsStore:
     """Run an experiment; what is stored already is not run again.
 
@@ -86,12 +50,12 @@ def run(
     force
         Run everything again.
     progress
-        Told what happens; `evaluation.running.progress.Bars` draws it.
+        Told what happens (`evaluation.running.progress.ProgressCallbacks`); nobody if None.
 
     Returns
     -------
     ResultsStore
-        Its `failures` lists what could not be done; a sweep does not stop at failures.
+        Its `failures` lists what could not be done; a run does not stop at failures.
 
     Raises
     ------
@@ -102,34 +66,39 @@ def run(
     settings = experiment if isinstance(experiment, Experiment) else Experiment.load(experiment)
     path = Path(folder).resolve()
     store = ResultsStore(path)
-    make_plan(settings, shape_tasks(settings), {})  # names and options are wrong before anything is written
-    with lock(path):
-        sweep = _Sweep(settings, store, jobs, scheduler, force, progress or Silent())
-        return sweep.run()
+    shapes = shape_tasks(settings)
+    plan = make_plan(settings, shapes, known_poses(store, shapes))  # raises before anything is written
+    with lock_folder(path):
+        return _Run(settings, store, jobs, scheduler, force, progress or Silent()).run(plan, shapes)
 
 
-def preview(experiment: Experiment | str | os.PathLike[str], folder: str | os.PathLike[str]) -> Outlook:
-    """What `run` would do, without doing it: nothing is written.
+def known_poses(store: ResultsStore, shapes: Mapping[str, Task]) -> dict[str, Mapping[str, Any]]:
+    """Subject, poses and reference of data sets: as stored, else from the registry or the names of the files.
+
+    Parameters
+    ----------
+    store
+    shapes
+        Shape tasks by name of the data set (`shape_tasks`).
+
+    Returns
+    -------
+    dict
+        ``subject``, ``poses`` and ``reference`` by name of the data set.
 
     Raises
     ------
     InputError
-        If the experiment cannot be used.
+        If a data set is unknown, holds no meshes or lacks a pose that is asked for.
     """
-    settings = experiment if isinstance(experiment, Experiment) else Experiment.load(experiment)
-    store = ResultsStore(Path(folder).resolve())
-    shapes = shape_tasks(settings)
     records = {name: store.record("shape", task.key) for name, task in shapes.items()}
-    known = {name: dict(record["info"]) for name, record in records.items() if record is not None}
-    unknown = tuple(name for name in shapes if name not in known)
-    plan = make_plan(settings, shapes, known)
-    waiting = [task for task in plan.tasks.values() if store.record(task.stage, task.key) is None]
-    return Outlook(
-        by_stage(waiting), len(plan.tasks) - len(waiting), len(plan.rows), plan.unavailable, unknown
-    )
+    return {
+        name: record["info"] if record else outline(shapes[name].spec["name"], **shapes[name].spec["options"])
+        for name, record in records.items()
+    }
 
 
-class _Sweep:
+class _Run:
     """One run, from lock to table."""
 
     def __init__(
@@ -139,30 +108,20 @@ class _Sweep:
         jobs: int | None,
         scheduler: str | None,
         force: bool,
-        progress: Progress,
+        progress: ProgressCallbacks,
     ) -> None:
         self.experiment, self.store, self.force, self.progress = experiment, store, force, progress
         self.jobs, self.scheduler = jobs, scheduler
         self.name = uuid.uuid4().hex[:8]
         self.started = time.time()
-        self.fresh: set[str] = set()
-        self.failures: list[Report] = []
+        self.failures: list[Outcome] = []
         self.ran = 0
         self._stack = contextlib.ExitStack()
         self._cluster: Cluster | None = None
 
-    def run(self) -> ResultsStore:
-        shapes = shape_tasks(self.experiment)
-        plan = Plan({task.key: task for task in shapes.values()})
+    def run(self, plan: Plan, shapes: Mapping[str, Task]) -> ResultsStore:
         with self._stack:
             try:
-                self._complete(plan)
-                known = {}
-                for name, task in shapes.items():
-                    record = self.store.record("shape", task.key)
-                    if record is not None:
-                        known[name] = record["info"]
-                plan = make_plan(self.experiment, shapes, known)
                 self._complete(plan)
             except BaseException:
                 if self._cluster is not None:  # interrupted: what there is makes a table too
@@ -175,19 +134,17 @@ class _Sweep:
 
     def _complete(self, plan: Plan) -> None:
         """Run what has no result yet."""
-        failed = {report.task.key for report in self.failures}
         waiting, stored = [], set()
         for task in plan.tasks.values():
-            again = self.force and task.key not in self.fresh
-            if not again and self.store.record(task.stage, task.key) is not None:
+            if not self.force and self.store.record(task.stage, task.key) is not None:
                 stored.add(task.key)
-            elif task.key not in failed:
+            else:
                 waiting.append(task)
         if not waiting:
             return
         cluster = self._connected()
         self.progress.begin(by_stage(waiting), len(stored), cluster.workers, cluster.dashboard)
-        failures = execute(
+        self.failures += execute(
             cluster,
             self.store.folder,
             waiting,
@@ -196,9 +153,7 @@ class _Sweep:
             limit=self.experiment.timeout,
             progress=self.progress,
         )
-        self.failures.extend(failures)
-        self.fresh.update({task.key for task in waiting} - {report.task.key for report in failures})
-        self.ran += len(waiting) - sum(report.kind == "blocked" for report in failures)
+        self.ran = len(waiting) - sum(outcome.kind == "blocked" for outcome in self.failures)
 
     def _connected(self) -> Cluster:
         if self._cluster is None:
@@ -208,19 +163,19 @@ class _Sweep:
 
     def _write_experiment(self) -> None:
         with atomic_path(self.store.folder / "experiment.toml") as temporary:
-            temporary.write_text(dumps(self.experiment.as_dict()), encoding="utf-8")
+            temporary.write_text(self.experiment.to_toml(), encoding="utf-8")
 
     def _finish(self, plan: Plan, shapes: Mapping[str, Task]) -> None:
         """Merge the table unless it is merged already, and note what made it."""
         for label, reason in plan.unavailable.items():
-            self.failures.append(Report(Task(label, "map", {}, {}, label), False, reason, "unavailable"))
+            self.failures.append(Outcome(Task(label, "map", {}, {}, label), False, reason, "unavailable"))
         state = digest([[dict(row.columns), row.score] for row in plan.rows])
         before = self.store.run_info()
         unchanged = self.ran == 0 and before.get("rows_digest") == state and not self.failures
         if unchanged and (self.store.folder / "table.parquet").is_file() and not before.get("failures"):
             return
         self._write_experiment()
-        table = merge(self.store, plan, self.failures)
+        table = write_tables(self.store, plan, self.failures)
         info = {
             "format": FORMAT,
             "experiment": self.experiment.name,
@@ -235,9 +190,9 @@ class _Sweep:
             "wall_seconds": time.time() - self.started,
             "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
             "workers": self._cluster.workers if self._cluster else 0,
-            "versions": _versions(),
+            "versions": versions(),
             "mitsuba_variants": self._variants(plan),
-            "machine": _machine(),
+            "machine": machine(),
         }
         write_json(self.store.folder / "run.json", info)
 
@@ -247,28 +202,3 @@ class _Sweep:
             self.store.record("render", task.key) for task in plan.tasks.values() if task.stage == "render"
         )
         return sorted({record["info"]["variant"] for record in renders if record is not None})
-
-
-def _versions() -> dict[str, str]:
-    found = {"python": platform.python_version()}
-    for name in LIBRARIES:
-        with contextlib.suppress(PackageNotFoundError):
-            found[name] = version(name)
-    return found
-
-
-def _machine() -> dict[str, Any]:
-    return {
-        "node": platform.node(),
-        "system": platform.platform(),
-        "processor": _processor(),
-        "cores": os.cpu_count(),
-    }
-
-
-def _processor() -> str:
-    with contextlib.suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()

@@ -1,33 +1,25 @@
 """Runs one task: in a worker of a Dask cluster, or right here.
 
-Everything goes through the results folder, so a task may run anywhere that sees it. A task that never
-comes back is dealt with too: before it starts, an attempt is noted; a watchdog that needs no interpreter
-lock ends the process at the time limit; whoever gets the task next finds the note and reports instead of
-trying for ever.
+Everything goes through the results folder, so a task may run anywhere that sees it.
 """
 
 import contextlib
-import ctypes
-import faulthandler
-import functools
-import json
-import os
 import time
 import traceback
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from datasets_gen.collection import Collection
 from datasets_gen.records import InputError
-from evaluation.results.collection_file import load_collection
-from evaluation.results.store import ResultsStore, write_json
+from evaluation.experiment.tasks import STAGES, Task
+from evaluation.results.outcome import Outcome
+from evaluation.results.store import ResultsStore
+from evaluation.running.attempts import Attempt
+from evaluation.running.process import keep_freed_memory, peak_memory, single_thread
 from evaluation.running.stages.interface import Inputs
-from evaluation.running.tasks import STAGES, Report, Task
-
-ATTEMPTS = 2
-"""Times that a task may take its process down before it counts as failed; a time-out counts at once."""
 
 CACHED = 8
 """Records a worker keeps, most recently used: neighbouring tasks share inputs."""
@@ -36,7 +28,7 @@ ROLE_STAGES = {"shape": "shape", "render": "render", "map": "map"}
 """Stage of an input by its role; ``*scan`` are scans and the others operators."""
 
 
-def run_task(folder: str, task: Task, run: str, limit: float) -> Report:
+def run_task(folder: str, task: Task, run: str, limit: float) -> Outcome:
     """Compute and store one task.
 
     Parameters
@@ -51,12 +43,12 @@ def run_task(folder: str, task: Task, run: str, limit: float) -> Report:
 
     Returns
     -------
-    Report
+    Outcome
         Never raises for what a task does.
     """
     keep_freed_memory()
     store = ResultsStore(folder)
-    attempt = _Attempt(Path(folder), task, run, limit)
+    attempt = Attempt(Path(folder), task, run, limit)
     lost = attempt.lost()
     if lost:
         return _failed(store, task, *lost)
@@ -71,19 +63,19 @@ def run_task(folder: str, task: Task, run: str, limit: float) -> Report:
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
         return _failed(store, task, "error", reason, traceback.format_exc(), start)
-    return Report(task, True, seconds=seconds)
+    return Outcome(task, True, seconds=seconds)
 
 
 def _failed(
     store: ResultsStore, task: Task, kind: str, reason: str, detail: str = "", start: float | None = None
-) -> Report:
+) -> Outcome:
     seconds = 0.0 if start is None else time.perf_counter() - start
-    report = Report(task, False, " ".join(reason.split()), kind, seconds, detail)
+    outcome = Outcome(task, False, " ".join(reason.split()), kind, seconds, detail)
     with contextlib.suppress(
         InputError, OSError
     ):  # a full disk must not hide the reason: the driver has it too
-        store.write_failure(report)
-    return report
+        store.write_failure(outcome)
+    return outcome
 
 
 def _compute(store: ResultsStore, task: Task) -> Mapping[str, Any]:
@@ -118,7 +110,7 @@ def stage_of(role: str) -> str:
 
 def _load(store: ResultsStore, stage: str, key: str) -> Any:
     if stage == "shape":
-        return load_collection(store.path(stage, key))
+        return Collection.load(store.path(stage, key))
     if stage == "operator":
         return store.operator(key)
     if stage == "map":
@@ -128,7 +120,7 @@ def _load(store: ResultsStore, stage: str, key: str) -> Any:
     return Scan.load(store.path(stage, key))
 
 
-class _Recent:
+class _RecentValues:
     """The last few values, by name."""
 
     def __init__(self, size: int) -> None:
@@ -143,98 +135,4 @@ class _Recent:
         return self._values[name]
 
 
-_CACHE = _Recent(CACHED)
-
-
-class _Attempt:
-    """Notes that a task was started here, so that its disappearance is noticed."""
-
-    def __init__(self, folder: Path, task: Task, run: str, limit: float) -> None:
-        self._note = folder / "running" / f"{task.key}.json"
-        self._dump = folder / "running" / f"{task.key}.txt"
-        self._run, self._limit, self._count = run, limit, 0
-
-    def lost(self) -> tuple[str, str, str] | None:
-        """Kind, reason and detail if earlier attempts of this run took their process down for good."""
-        try:
-            note = json.loads(self._note.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
-        if note.get("run") != self._run:
-            return None
-        self._count = int(note["attempt"])
-        dump = self._dump.read_text(encoding="utf-8") if self._dump.is_file() else ""
-        if dump.startswith("Timeout"):
-            self.clear()
-            return (
-                "timeout",
-                f"no result after {self._limit:g} s; raise 'timeout' or look at the detail",
-                dump,
-            )
-        if self._count >= ATTEMPTS:
-            self.clear()
-            return (
-                "crash",
-                f"took its worker down {self._count} times (killed, out of memory or a fault)",
-                dump,
-            )
-        return None
-
-    def __enter__(self) -> None:
-        write_json(self._note, {"run": self._run, "attempt": self._count + 1, "pid": os.getpid()})
-        self._stream = self._dump.open("w", encoding="utf-8")
-        faulthandler.dump_traceback_later(self._limit, exit=True, file=self._stream)
-
-    def __exit__(self, *_: object) -> None:
-        faulthandler.cancel_dump_traceback_later()
-        self._stream.close()
-        self.clear()
-
-    def clear(self) -> None:
-        self._note.unlink(missing_ok=True)
-        self._dump.unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
-def single_thread() -> Iterator[None]:
-    """One thread for BLAS and OpenMP: tasks run side by side, and results must not depend on how many."""
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1):
-        yield
-
-
-@functools.cache
-def keep_freed_memory() -> None:
-    """Let the allocator keep what is freed: Dask's nanny asks it to give back everything at once.
-
-    With Dask's setting (``MALLOC_TRIM_THRESHOLD_=65536``) a match spent a third of its time in page faults.
-    Nothing happens where the C library is not glibc.
-    """
-    trim_threshold, mmap_threshold = -1, -3  # names of malloc.h
-    with contextlib.suppress(OSError, AttributeError, TypeError):
-        mallopt = ctypes.CDLL(None).mallopt
-        mallopt(trim_threshold, 512 << 20)
-        mallopt(mmap_threshold, 32 << 20)
-
-
-class PeakMemory:
-    """Filled when the block of `peak_memory` ends."""
-
-    megabytes: float | None = None
-
-
-@contextlib.contextmanager
-def peak_memory() -> Iterator[PeakMemory]:
-    """Largest resident memory of this process within a block, where the system can tell (Linux)."""
-    found = PeakMemory()
-    try:
-        Path("/proc/self/clear_refs").write_text("5")  # resets the high-water mark
-        resets = True
-    except OSError:
-        resets = False
-    yield found
-    if resets:
-        for line in Path("/proc/self/status").read_text().splitlines():
-            if line.startswith("VmHWM:"):
-                found.megabytes = int(line.split()[1]) / 1024
+_CACHE = _RecentValues(CACHED)

@@ -1,4 +1,4 @@
-r"""Medial centres and radii (Eq. 9) and the dual area of every point (Eq. 10 and the hulls after it)."""
+r"""Medial centres and radii (Eq. 9), dual areas (Eq. 10 and the hulls after it): the fast form."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,10 @@ from medial.areas.hull_triangles import hull_areas
 from medial.areas.surface_cells import surface_areas
 from medial.similarity.candidate_ball import candidate_ball, columns
 from medial.similarity.leaves import kd_order, leaf_spheres
-from medial.validation import check_cloud, check_points
+from medial.validation import OrientedCloud, check_cloud, check_points
 
 EPSILON = 1.5  # radius of Eq. 10 in units of the average sampling distance
+JOINED = 12  # points nearest to each one that join its hull (`dual_areas`)
 ROWS_PER_TASK = 512
 LEAVES_PER_TASK = 64
 
@@ -36,16 +37,20 @@ def medial_axis(
         A point without any similar point takes the radius of the nearest point that has one, and the centre
         at that depth below itself; in a cloud without any similarity the centre is the point, the radius 0.
     """
-    points, normals = check_cloud(points, normals)
-    phi = csr_array(phi)
-    cloud = (
+    return medial_balls(check_cloud(points, normals), phi)
+
+
+def medial_balls(cloud: OrientedCloud, phi: csr_array) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`medial_axis` of a cloud that has been checked."""
+    points, normals, phi = cloud.points, cloud.normals, csr_array(phi)
+    arrays = (
         *columns(points),
         *columns(normals),
         phi.indptr.astype(np.int64),
         phi.indices.astype(np.int64),
         phi.data,
     )
-    parts = run_tasks(_averages, [(*cloud, *span) for span in ranges(len(points), ROWS_PER_TASK)])
+    parts = run_tasks(_averages, [(*arrays, *span) for span in ranges(len(points), ROWS_PER_TASK)])
     centers = np.concatenate([part[0] for part in parts])
     radii = np.concatenate([part[1] for part in parts])
     known = radii > 0
@@ -113,23 +118,35 @@ def dual_areas(
     (n,) float64, in squared units
     """
     points = check_points(points)
-    centers = np.ascontiguousarray(centers, dtype=np.float64)
-    radii = np.ascontiguousarray(radii, dtype=np.float64)
+    medial: NDArray[np.float64] = np.ascontiguousarray(centers, dtype=np.float64)
+    depths: NDArray[np.float64] = np.ascontiguousarray(radii, dtype=np.float64)
+    areas = areas_of_hulls(points, cKDTree(points), medial, depths, nearest)
+    if np.isnan(areas).any():
+        outward = points - centers if normals is None else np.asarray(normals, dtype=np.float64)
+        areas = np.where(np.isnan(areas), surface_areas(points, outward), areas)
+    return areas
+
+
+def areas_of_hulls(
+    points: NDArray[np.float64],
+    tree: cKDTree,
+    centers: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    nearest: int = 0,
+) -> NDArray[np.float64]:
+    """`dual_areas` of points that have been checked; NaN where a point has no hull."""
     order = kd_order(centers)
     sphere = leaf_spheres(centers[order])
-    tree = cKDTree(points[order])
     distances, neighbours = tree.query(points[order], k=max(nearest, 1) + 1, workers=thread_count())
     epsilon = EPSILON * float(distances[:, 1].mean())
-    joined = np.ascontiguousarray(neighbours[:, 1 : nearest + 1])
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    joined = np.ascontiguousarray(place[neighbours[:, 1 : nearest + 1]])
     arrays = (points[order], centers[order], radii[order], joined, sphere, epsilon)
     parts = run_tasks(hull_areas, [(*arrays, *span) for span in ranges(len(sphere), LEAVES_PER_TASK)])
     areas = np.empty(len(points))
     areas[order] = np.concatenate(parts)
-    lost = ~(areas > 0)
-    if lost.any():
-        outward = points - centers if normals is None else np.asarray(normals, dtype=np.float64)
-        areas[lost] = surface_areas(points, outward)[lost]
-    return areas
+    return np.where(areas > 0, areas, np.nan)
 
 
 def calibrated(areas: NDArray[np.float64], surface: NDArray[np.float64]) -> NDArray[np.float64]:

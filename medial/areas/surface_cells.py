@@ -4,10 +4,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from datasets_gen.compiled import compiled, ranges, run_tasks, thread_count
-from medial.validation import check_cloud
+from medial.validation import OrientedCloud, check_cloud
 
 NEIGHBOURS = 24
 RING = 6  # neighbours whose mean distance bounds the cell ...
@@ -33,9 +32,14 @@ def surface_areas(points: NDArray[np.floating], normals: NDArray[np.floating]) -
     -------
     (n,) float64, in squared units
     """
-    points, normals = check_cloud(points, normals)
+    return surface_cells(check_cloud(points, normals))
+
+
+def surface_cells(cloud: OrientedCloud) -> NDArray[np.float64]:
+    """`surface_areas` of a cloud that has been checked."""
+    points, normals = cloud.points, cloud.normals
     count = min(NEIGHBOURS + 1, len(points))
-    distances, neighbours = cKDTree(points).query(points, k=count, workers=thread_count())
+    distances, neighbours = cloud.tree.query(points, k=count, workers=thread_count())
     reach = REACH * _ring_distances(normals, distances, neighbours)
     reach = np.minimum(reach, LARGEST_CELL * np.median(reach[neighbours[:, 1:]], axis=1))
     tasks = [(points, normals, neighbours, reach, *span) for span in ranges(len(points), ROWS_PER_TASK)]
@@ -43,13 +47,14 @@ def surface_areas(points: NDArray[np.floating], normals: NDArray[np.floating]) -
 
 
 def density_weights(
-    areas: NDArray[np.floating], reference_points: float = REFERENCE_POINTS, total_area: float | None = None
+    areas: NDArray[np.floating], reference_points: float = REFERENCE_POINTS
 ) -> NDArray[np.float64]:
     r"""Weight of each point in Eq. 5 that makes gamma independent of how many points were taken, and where.
 
     Eq. 5 sums over points, so it estimates rho \int mu dA with the density rho of the cloud, and sigma_e = 5
     belongs to the paper's 15,000-20,000 points. A point that stands for the area a counts
-    ``reference_points * a / total_area``: the sum then estimates the same integral at the paper's density.
+    ``reference_points * a / A``, with the sum A of all areas: the sum then estimates the same integral at the
+    paper's density.
 
     Parameters
     ----------
@@ -57,15 +62,12 @@ def density_weights(
         Surface area each point stands for (`surface_areas`).
     reference_points
         Points the paper's clouds have.
-    total_area
-        Area they are spread over, in the units of `areas`; by default the area of this cloud.
 
     Returns
     -------
     (n,) float64
     """
-    total = float(np.sum(areas)) if total_area is None else float(total_area)
-    return np.asarray(areas, dtype=np.float64) * (reference_points / total)
+    return np.asarray(areas, dtype=np.float64) * (reference_points / float(np.sum(areas)))
 
 
 @compiled()

@@ -25,7 +25,7 @@ from medial.similarity.candidate_ball import SMALLEST_TANGENCY
 from medial.similarity.candidate_pairs import Screen
 from medial.similarity.critical_radius import Grid
 from medial.similarity.emptiness import Settings
-from medial.similarity.leaves import LEAF, Cloud
+from medial.similarity.leaves import LEAF, SortedCloud
 
 PAIRS_AT_ONCE = 2**25  # pairs of points tested before survivors are collected: bounds the memory
 
@@ -57,12 +57,11 @@ class _Ball(NamedTuple):
 
 def similar_pairs(
     jit: Any,
-    cloud: Cloud,
+    cloud: SortedCloud,
     order: NDArray[np.int64],
     grid: Grid,
     screen: Screen,
     settings: Settings,
-    cutoff: float,
 ) -> Iterator[tuple[Any, Any, Any]]:
     """Pairs of points whose similarity reaches the cut-off, a bounded number at a time.
 
@@ -74,7 +73,7 @@ def similar_pairs(
         The cloud in kd order, and the place of its points in the caller's arrays.
     grid, screen
         Critical radii, and the bounds of the single-precision test.
-    settings, cutoff
+    settings
         Parameters of Eq. 7 and the smallest similarity kept.
 
     Yields
@@ -93,7 +92,7 @@ def similar_pairs(
         jit.Float(screen.box), jit.Float(screen.counts), jit.Float(screen.squares), jit.UInt32(grid.table)
     )
     lists = leaf_lists(jit, places, cloud.mass, grid, middle)
-    limits, given = jit.Float64([*settings, cutoff]), jit.UInt32(order.astype(np.uint32))
+    limits, given = jit.Float64([*settings]), jit.UInt32(order.astype(np.uint32))
     rows = max(PAIRS_AT_ONCE // n, 1)
     for first in range(1, n // 2 + 1, rows):
         last = min(first + rows, n // 2 + 1)

@@ -1,4 +1,4 @@
-"""Gaussian weights alpha, the combination of Eqs. 14-15 and the symmetric problem of Eq. 8."""
+"""Gaussian weights alpha, the combination of Eqs. 14-15 and the symmetric problem of Eq. 8, all sparse."""
 
 from typing import NamedTuple
 
@@ -8,14 +8,15 @@ from scipy.sparse import csr_array, diags_array
 from scipy.spatial import cKDTree
 
 from datasets_gen.compiled import thread_count
+from medial.departures import ALL_DEPARTURES, Departures
 from medial.sparse import symmetric
-from medial.validation import check_points
 
 BANDWIDTH = 3.0  # h of the Gaussian in areas per point: about (twice the mean nearest distance)^2
 SMALLEST_WEIGHT = 1e-3  # Gaussian weights below this are dropped beyond the nearest neighbours
 NEAREST = 8  # neighbours every point keeps
 WIDEST = 0.7  # least bandwidth in squared distances to the last of them
 REACHED = 64  # pi * BANDWIDTH * ln(1 / SMALLEST_WEIGHT): neighbours with larger weights
+TINY = float(np.finfo(np.float64).tiny)  # smallest weight kept without truncation
 
 
 class Gaussian(NamedTuple):
@@ -33,8 +34,13 @@ class Gaussian(NamedTuple):
     bandwidths: NDArray[np.float64]
 
 
-def gaussian_weights(points: NDArray[np.floating], areas: NDArray[np.floating]) -> Gaussian:
-    """Gaussian weights alpha = exp(-|p - q|^2 / h) [BSW09].
+def gaussian_weights(
+    points: NDArray[np.float64],
+    areas: NDArray[np.float64],
+    tree: cKDTree | None = None,
+    departures: Departures = ALL_DEPARTURES,
+) -> Gaussian:
+    """Gaussian weights alpha = exp(-|p - q|^2 / h) of Eq. 2 [BSW09].
 
     The bandwidth follows the sampling: h is three times the area that the two points stand for (geometric
     mean), and at least large enough to reach the eight nearest neighbours, which every point keeps, so that
@@ -44,20 +50,23 @@ def gaussian_weights(points: NDArray[np.floating], areas: NDArray[np.floating]) 
     Parameters
     ----------
     points : (n, 3)
+        Checked.
     areas : (n,)
         Surface area of each point (`medial.surface_areas`).
+    tree
+        Of the points.
+    departures
+        `adaptive_bandwidth` and `truncation` matter.
     """
-    points = check_points(points)
+    tree = cKDTree(points) if tree is None else tree
+    if not (departures.adaptive_bandwidth and departures.truncation):
+        return _weights_of_all(points, areas, tree, departures)
     n = len(points)
     nearest, reached = min(NEAREST, n - 1), min(REACHED, n - 1)
-    distances, neighbours = cKDTree(points).query(points, k=reached + 1, workers=thread_count())
-    smooth = areas[neighbours[:, : nearest + 1]].mean(axis=1)
+    distances, neighbours = tree.query(points, k=reached + 1, workers=thread_count())
     rows = np.repeat(np.arange(n), reached)
     cols = neighbours[:, 1:].ravel()
-    far = distances[:, nearest]
-    h = np.maximum(
-        BANDWIDTH * np.sqrt(smooth[rows] * smooth[cols]), WIDEST * np.maximum(far[rows], far[cols]) ** 2
-    )
+    h = _bandwidths(rows, cols, areas[neighbours[:, : nearest + 1]].mean(axis=1), distances[:, nearest])
     alpha = np.exp(-(distances[:, 1:].ravel() ** 2) / h)
     kept = (alpha >= SMALLEST_WEIGHT) | (np.tile(np.arange(reached), n) < nearest)
     kept &= rows != cols
@@ -65,6 +74,38 @@ def gaussian_weights(points: NDArray[np.floating], areas: NDArray[np.floating]) 
     _, first = np.unique(low * n + high, return_index=True)
     low, high, alpha, h = low[first], high[first], alpha[kept][first], h[kept][first]
     return Gaussian(symmetric(low, high, alpha, n), symmetric(low, high, h, n).data)
+
+
+def _bandwidths(
+    rows: NDArray[np.integer],
+    cols: NDArray[np.integer],
+    smooth: NDArray[np.float64],
+    far: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Adaptive h of some pairs, from areas averaged over neighbours and distances to the eighth of them."""
+    return np.maximum(
+        BANDWIDTH * np.sqrt(smooth[rows] * smooth[cols]), WIDEST * np.maximum(far[rows], far[cols]) ** 2
+    )
+
+
+def _weights_of_all(
+    points: NDArray[np.float64], areas: NDArray[np.float64], tree: cKDTree, departures: Departures
+) -> Gaussian:
+    """Gaussian weights with one h, or without truncation: all pairs within reach of the widest Gaussian."""
+    n = len(points)
+    smooth, far = np.full(n, areas.mean()), np.zeros(n)
+    if departures.adaptive_bandwidth:
+        nearest = min(NEAREST, n - 1)
+        distances, neighbours = tree.query(points, k=nearest + 1, workers=thread_count())
+        smooth, far = areas[neighbours].mean(axis=1), distances[:, nearest]
+    least = SMALLEST_WEIGHT if departures.truncation else TINY
+    widest = max(BANDWIDTH * float(smooth.max()), WIDEST * float(far.max()) ** 2)
+    i, j = tree.query_pairs(np.sqrt(widest * np.log(1 / least)), output_type="ndarray").T
+    h = _bandwidths(i, j, smooth, far)
+    alpha = np.exp(-((points[i] - points[j]) ** 2).sum(axis=1) / h)
+    kept = alpha >= least
+    i, j, alpha, h = i[kept], j[kept], alpha[kept], h[kept]
+    return Gaussian(symmetric(i, j, alpha, n), symmetric(i, j, h, n).data)
 
 
 def degrees(weights: csr_array, areas: NDArray[np.float64]) -> NDArray[np.float64]:

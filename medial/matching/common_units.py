@@ -1,15 +1,11 @@
-"""Two clouds in common units, and the neighbourhoods that follow the body rather than space."""
+"""Two clouds in common units."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from medial.diffusion import Diffusion
-from medial.matching.landmarks.samples import farthest_points
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -21,7 +17,7 @@ GROSS = 1.4
 
 
 @dataclass(frozen=True)
-class Cloud:
+class CloudInUnits:
     """A cloud in the units of its pair: lengths are in square roots of the surface area.
 
     Attributes
@@ -47,15 +43,55 @@ class Cloud:
         return np.hstack([self.points, self.centers])
 
 
-def common_units(source: Diffusion, target: Diffusion) -> tuple[Cloud, Cloud]:
-    """Both clouds in square roots of the larger one's area."""
+def in_source_units(source: Diffusion, target: Diffusion) -> tuple[Diffusion, Diffusion]:
+    """The source as it is, and the target in the source's units; unchanged if both have the same."""
     scale = relative_scale(source, target)
-    unit = float(np.sqrt(max(source.areas.sum(), target.areas.sum() * scale**2)))
-    clouds = (
-        Cloud(d.points * factor, d.normals, d.centers * factor, d.radii * factor)
-        for d, factor in ((source, 1 / unit), (target, scale / unit))
+    return source, target if scale == 1 else rescaled(target, scale)
+
+
+def rescaled(diffusion: Diffusion, factor: float) -> Diffusion:
+    """The diffusion of the same cloud in other units.
+
+    Parameters
+    ----------
+    diffusion
+    factor
+        New lengths over old lengths.
+
+    Returns
+    -------
+    Diffusion
+        What the operator gives for ``factor * points``, up to rounding.
+    """
+    return replace(
+        diffusion,
+        points=diffusion.points * factor,
+        areas=diffusion.areas * factor**2,
+        eigenvalues=diffusion.eigenvalues * factor ** eigenvalue_dimension(diffusion),
+        eigenfunctions=diffusion.eigenfunctions / factor,
+        centers=diffusion.centers * factor,
+        radii=diffusion.radii * factor,
     )
-    first, second = clouds
+
+
+def eigenvalue_dimension(diffusion: Diffusion) -> int:
+    """Power of the unit of length in the eigenvalues of an operator.
+
+    Surface Laplacians have one over squared lengths. In Eq. 8 similarities without unit are summed over
+    areas; the weights of Eq. 15 are divided by such sums.
+    """
+    if diffusion.operator != "medial":
+        return -2
+    return 2 if diffusion.parameters.get("eta", 0.5) is None else 0
+
+
+def common_units(source: Diffusion, target: Diffusion) -> tuple[CloudInUnits, CloudInUnits]:
+    """Both clouds in square roots of the larger one's area."""
+    source, target = in_source_units(source, target)
+    unit = 1 / float(np.sqrt(max(source.areas.sum(), target.areas.sum())))
+    first, second = (
+        CloudInUnits(d.points * unit, d.normals, d.centers * unit, d.radii * unit) for d in (source, target)
+    )
     return first, second
 
 
@@ -81,49 +117,10 @@ def sizes(diffusion: Diffusion) -> tuple[float, float, float]:
         Median medial radius; too large where empty balls span limbs whose surfaces are missing.
     side
         Square root of the area; too small where much is missing.
-    spread
+    extent
         Root mean square distance from the centre of mass; depends on the pose, and on which part is missing.
     """
     areas = diffusion.areas
     centred = diffusion.points - np.average(diffusion.points, axis=0, weights=areas)
-    spread = np.sqrt(np.average((centred**2).sum(axis=1), weights=areas))
-    return float(np.median(diffusion.radii)), float(np.sqrt(areas.sum())), float(spread)
-
-
-def farthest_order(points: Float, count: int) -> Int:
-    """The first `count` points in farthest-point order, from the point farthest from the mean."""
-    centred = points - points.mean(axis=0)
-    return farthest_points(centred, count, int((centred**2).sum(axis=1).argmax()))
-
-
-def neighbour_pairs(tree: cKDTree, positions: Float, neighbours: int) -> Int:
-    """Pairs of nearest neighbours; separate parts are joined where their positions are closest.
-
-    Parameters
-    ----------
-    tree
-        Of K nodes' features.
-    positions : (K, d)
-    neighbours
-
-    Returns
-    -------
-    (E, 2) int64
-        Each pair once, the smaller id first; connected.
-    """
-    count = len(positions)
-    _, near = tree.query(tree.data, k=min(neighbours + 1, count))
-    near = near.reshape(count, -1)[:, 1:]
-    pairs = np.column_stack([np.repeat(np.arange(count), near.shape[1]), near.ravel()])
-    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
-    while True:
-        graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-        parts, label = connected_components(graph, directed=False)
-        if parts <= 1:
-            return pairs[pairs[:, 0] != pairs[:, 1]].astype(np.int64)
-        smallest = label == np.bincount(label).argmin()
-        here, there = np.flatnonzero(smallest), np.flatnonzero(~smallest)
-        gap, closest = cKDTree(positions[there]).query(positions[here])
-        best = np.argsort(gap, kind="stable")[:2]
-        bridge = np.sort(np.column_stack([here[best], there[closest[best]]]), axis=1)
-        pairs = np.unique(np.concatenate([pairs, bridge]), axis=0)
+    extent = np.sqrt(np.average((centred**2).sum(axis=1), weights=areas))
+    return float(np.median(diffusion.radii)), float(np.sqrt(areas.sum())), float(extent)

@@ -1,26 +1,25 @@
-"""What matching is told (`MatchConfig`) and what it returns (`Matching`)."""
+"""`MatchConfig`: the settings of matching."""
 
-import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from datasets_gen.records import InputError
+from medial.departures import ALL_DEPARTURES, Departures
 
-from datasets_gen.records import InputError, load_record, save_record
-
-_COUNTS = (
-    "samples",
-    "times",
-    "first_mode",
-    "landmarks",
-    "restarts",
-    "partners",
-    "nodes",
-    "fine_nodes",
-    "finalists",
-)
+FEWEST_NODES = 8
+"""A deformation with fewer nodes than this does not bend where a body bends."""
+_LEAST = {
+    "samples": 1,
+    "times": 1,
+    "landmarks": 1,
+    "restarts": 1,
+    "partners": 1,
+    "nodes": FEWEST_NODES,
+    "fine_nodes": FEWEST_NODES,
+    "finalists": 1,
+}
+"""Settings that are counts, and their least values."""
 _CHOICES = {
     "starts": ("random", "spread"),
     "selection": ("cost", "fit"),
@@ -36,9 +35,7 @@ class MatchConfig:
     """Samples S_P and S_Q; a cloud with fewer points is used whole. By spectral clustering (Sec. 4) or, with
     selection ``"fit"``, by clusters that are near in space as well: they have to cover the surface."""
     times: int = 25
-    """Logarithmic time scales."""
-    first_mode: int = 1
-    """The longest time is 4 ln 10 over the eigenvalue of this (1-based) positive mode; 1 is [SOG09]."""
+    """Number of times at which m_t is compared, spaced evenly in their logarithm."""
     candidates: float = 0.05
     """Fraction of S_Q, nearest in signature, that Eq. 16 searches; in (0, 1]."""
     landmarks: int = 5
@@ -68,11 +65,14 @@ class MatchConfig:
     """Nodes of the final deformation."""
     finalists: int = 3
     """Maps of nearly the best score that are deformed finely before one is picked."""
+    departures: Departures = ALL_DEPARTURES
+    """What differs from the equations. Matching looks at `area_normalised_kernels` (Eqs. 16-17) and, in
+    `medial.intrinsic_symmetry`, at `mirrored_symmetry` (Sec. 5.2)."""
 
     def __post_init__(self) -> None:
         """Check ranges and choices."""
-        for name in _COUNTS:
-            value, low = getattr(self, name), 8 if name.endswith("nodes") else 1
+        for name, low in _LEAST.items():
+            value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or value < low:
                 raise InputError(f"match setting {name} must be an integer of at least {low}, got {value!r}")
         for name, choices in _CHOICES.items():
@@ -84,12 +84,17 @@ class MatchConfig:
             raise InputError(f"match setting candidates must lie in (0, 1], got {self.candidates!r}")
 
     @classmethod
-    def paper(cls) -> "MatchConfig":
-        """Sec. 4 as written: 700 samples, 25 times, top 5 %, 5 landmarks, 10 restarts, lowest Eq. 17 cost."""
+    def paper(cls, departures: Departures | None = None) -> "MatchConfig":
+        """Sec. 4 as written: 700 samples, 25 times, top 5 %, 5 landmarks, 10 restarts, lowest Eq. 17 cost.
+
+        Parameters
+        ----------
+        departures
+            ``Departures.none()`` also takes m_t in the cloud's own units, as Eqs. 16 and 17 do.
+        """
         return cls(
             samples=700,
             times=25,
-            first_mode=1,
             candidates=0.05,
             landmarks=5,
             restarts=10,
@@ -101,11 +106,17 @@ class MatchConfig:
             rigid_starts=False,
             recombine=False,
             refine="none",
+            departures=departures or ALL_DEPARTURES,
         )
 
     @classmethod
     def from_dict(cls, settings: Mapping[str, Any]) -> "MatchConfig":
         """Settings by name over the defaults, as read from a TOML file.
+
+        Parameters
+        ----------
+        settings
+            `departures` may be ``"all"``, ``"none"`` or truth values by name.
 
         Raises
         ------
@@ -116,65 +127,5 @@ class MatchConfig:
         unknown = sorted(set(settings) - set(known))
         if unknown:
             raise InputError(f"unknown match setting {unknown[0]!r}; known are {known}")
-        return cls(**settings)
-
-
-@dataclass(frozen=True)
-class Matching:
-    """A dense correspondence from one cloud to another.
-
-    Attributes
-    ----------
-    source_to_target : (n_source,) int64
-        Target point of every source point.
-    landmarks : (L, 2) int64
-        Source point ids of the landmarks it grew from, and their targets in the final map.
-    cost : float
-        Mean residual of Eq. 17 over the samples, in units of the signature; NaN if path length found
-        the landmarks.
-    confidence : (n_source,) float64
-        In [0, 1].
-    restarts : dict of arrays
-        One entry per landmark set: ``first`` (source point id of the first landmark), ``partner`` (its
-        target), ``paths`` (found by path length, not by Eq. 16), ``backward`` (tried by deforming the target
-        onto the source), ``cost`` (of Eq. 17, over the samples of what is deformed; NaN for path length),
-        ``score`` (higher is better; what picked the set), ``chosen`` (bool).
-    flip : str
-        ``"kept"``, ``"flipped"`` (the mirrored counterpart was taken) or ``"undecided"``.
-    seed : int
-    config : MatchConfig
-    """
-
-    source_to_target: NDArray[np.int64]
-    landmarks: NDArray[np.int64]
-    cost: float
-    confidence: NDArray[np.float64]
-    restarts: dict[str, NDArray[Any]]
-    flip: str = "undecided"
-    seed: int = 0
-    config: MatchConfig = field(default_factory=MatchConfig)
-
-    def __len__(self) -> int:
-        """Return the number of source points."""
-        return len(self.source_to_target)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write as ``.npz``."""
-        arrays: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in _ARRAYS}
-        arrays |= {_TABLE + name: column for name, column in self.restarts.items()}
-        meta = {"cost": self.cost, "flip": self.flip, "seed": self.seed, "config": asdict(self.config)}
-        save_record(path, "Matching", arrays, meta)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "Matching":
-        """Read a file written by `save`."""
-        arrays, meta = load_record(path, "Matching")
-        table = {
-            name.removeprefix(_TABLE): arrays.pop(name) for name in list(arrays) if name.startswith(_TABLE)
-        }
-        meta["config"] = MatchConfig.from_dict(meta["config"])
-        return cls(**arrays, **meta, restarts=table)
-
-
-_ARRAYS = ("source_to_target", "landmarks", "confidence")
-_TABLE = "restarts_"
+        departures = Departures.of(settings.get("departures", ALL_DEPARTURES))
+        return cls(**{**settings, "departures": departures})

@@ -1,18 +1,22 @@
 """Dense correspondences between two clouds from their diffusions (Sec. 4, and what holds with data missing).
 
-With `MatchConfig.paper()` this is Sec. 4 as written. By default
+With `MatchConfig.paper()` this is Sec. 4 as written: `match_by_cost`. By default it is `match_by_fit`:
 
-1. many landmark sets are grown, each with its alternatives (left for right, arm for leg),
-2. each is tried out: the source is deformed along its map and settles on the target, or the other way round;
-   so are rigid motions where no set makes the surfaces meet,
-3. parts are exchanged between the settled maps (one may have the arms right and another the legs),
-4. the best are deformed finely; points of the two clouds that come to lie together are matches.
+1. prepare both clouds (`prepared`),
+2. draw candidates: many landmark sets, each with its alternatives, left for right or arm for leg
+   (`candidate_batches`),
+3. follow them: deform one cloud along each candidate, in both directions (`registration.direction`),
+4. settle: let the surfaces meet, by rounds of closest points; also from rigid motions where no candidate
+   makes them meet,
+5. exchange parts between settled fits, as one may have the arms right and another one the legs, and invert
+   fits for the opposite direction (`registration.search`),
+6. select the best one, which is refined with more nodes; points of the two clouds that come to lie together
+   are matches (`registration.selection`),
+7. say how far each match can be trusted (`confidence`, `mirror_check`).
 """
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,28 +24,32 @@ from numpy.typing import NDArray
 from datasets_gen.compiled import run_tasks
 from datasets_gen.records import InputError
 from medial.diffusion import Diffusion
-from medial.matching.common_units import MOST_POINTS, common_units, farthest_order
+from medial.matching.candidate_batches import candidates, first_batch, first_landmarks_of, second_batch
 from medial.matching.confidence import confidence_of_fit, confidence_of_residual
-from medial.matching.config import MatchConfig, Matching
-from medial.matching.landmarks.candidates import Candidate, diffusion_sets, first_landmarks, grown
-from medial.matching.landmarks.diffusion_landmarks import extend, middle_time, prepare, shared_times
-from medial.matching.landmarks.medial_paths import MedialPaths
-from medial.matching.landmarks.samples import cluster_samples, spectral_samples
-from medial.matching.mirror_check import flip_verdict
+from medial.matching.config import MatchConfig
+from medial.matching.landmarks.candidates import (
+    Candidate,
+    diffusion_candidate,
+    diffusion_sets,
+    first_landmarks,
+)
+from medial.matching.landmarks.descriptors import middle_time
+from medial.matching.landmarks.extrapolation import extrapolate_landmarks
+from medial.matching.mirror_check import mirror_verdict
 from medial.matching.nearest import single_blas_thread
-from medial.matching.neighbourhoods import Float32, neighbourhoods
-from medial.matching.registration.direction import STAYING, End, Placed, Sets, Way, search
-from medial.matching.registration.refinement import spectral_refinement
-from medial.matching.registration.registration import Fit
-from medial.matching.registration.selection import Finish
-
-T = TypeVar("T")
+from medial.matching.prepared import PreparedPair, prepare_pair
+from medial.matching.registration.direction import DirectedFit, Direction, pair_directions
+from medial.matching.registration.placement import place
+from medial.matching.registration.search import follow, forward_first, most_seen, moving, search, settle
+from medial.matching.registration.selection import FineSelection
+from medial.matching.result import UNCHECKED, Matching
+from medial.matching.zoomout import spectral_refinement
 
 ENOUGH = 1.35
-"""Share of the source that is found plus share of the target, at which no further landmark sets are tried
-and the search does not go on once more."""
+"""Share of the source that is found plus share of the target, in [0, 2], from which no further landmark sets
+are tried and the search does not go on once more."""
 BARELY = 1.1
-"""The same, below which the search does not go on either: where half of each surface has no counterpart, what
+"""The same, up to which the search does not go on either: where half of each surface has no counterpart, what
 scores better after more of it is wrong as often as right."""
 
 
@@ -68,7 +76,7 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
         If the operators differ, or a cloud has no positive eigenvalue.
     """
     with single_blas_thread():
-        return Pair(source, target, config or MatchConfig(), seed).match()
+        return match_pair(prepare_pair(source, target, config or MatchConfig(), seed))
 
 
 def extrapolate(
@@ -83,15 +91,20 @@ def extrapolate(
     Parameters
     ----------
     source, target
+        Diffusions of one kind of operator.
     landmarks : (L, 2)
         Source and target point ids.
     config, seed
         As for `match`; there is nothing to select.
 
+    Returns
+    -------
+    Matching
+
     Raises
     ------
     InputError
-        If a landmark is not a point of its cloud.
+        If a landmark is not a point of its cloud, or as for `match`.
     """
     config = config or MatchConfig()
     pairs = np.asarray(landmarks, dtype=np.int64).reshape(-1, 2)
@@ -101,203 +114,143 @@ def extrapolate(
                 f"landmarks need {name} point ids in [0, {len(diffusion)}), got {pairs[:, column].tolist()}"
             )
     with single_blas_thread():
-        pair = Pair(source, target, config, seed)
+        pair = prepare_pair(source, target, config, seed)
         if config.selection == "fit":
-            found = pair.by_fit(pair.given(pairs))
+            directions = pair_directions(pair)
+            given = [c for direction in directions for c in candidates(direction, [pairs], [])]
+            found = match_by_fit(pair, directions, given)
         else:
-            here, there = (end.side for end in pair.ends)
-            found = pair.by_cost([grown(here, there, pairs, config)])
+            found = match_by_cost(
+                pair, [diffusion_candidate(pair.source.descriptors, pair.target.descriptors, pairs, config)]
+            )
     return replace(found, landmarks=pairs)
 
 
-class Pair:
-    """Two clouds prepared for matching.
+def match_pair(pair: PreparedPair) -> Matching:
+    """Draw candidates for a prepared pair, and make the map that its settings ask for."""
+    if pair.config.selection == "fit":
+        directions = pair_directions(pair)
+        starts = first_landmarks_of(directions)
+        first = first_batch(directions, starts)
+        return match_by_fit(pair, directions, first, lambda: second_batch(directions, starts))
+    here, there, rng = pair.source.descriptors, pair.target.descriptors, np.random.default_rng([pair.seed, 2])
+    order = first_landmarks(here, middle_time(pair.times), pair.config, rng)
+    sets = diffusion_sets(here, there, pair.times, pair.config, order)
+    return match_by_cost(pair, [diffusion_candidate(here, there, pairs, pair.config) for pairs in sets])
+
+
+def match_by_cost(pair: PreparedPair, tried: list[Candidate]) -> Matching:
+    """The candidate of the lowest cost of Eq. 17, extended to all points (Sec. 4)."""
+    config = pair.config
+    costs = np.array([c.cost for c in tried])
+    chosen = int(costs.argmin())
+    if config.refine == "deform":
+        return match_by_fit(pair, pair_directions(pair), [tried[chosen]])
+    landmarks = tried[chosen].landmarks
+    mapped, residual = extrapolate_landmarks(
+        pair.source.descriptors, pair.target.descriptors, landmarks, slice(None)
+    )
+    if config.refine == "spectral":
+        mapped = spectral_refinement(*pair.diffusions, mapped)
+    return Matching(
+        source_to_target=mapped,
+        landmarks=landmarks,
+        cost=tried[chosen].cost,
+        confidence=confidence_of_residual(residual),
+        restarts=restarts_table(tried, -costs, chosen),
+        mirror_check=UNCHECKED,
+        seed=pair.seed,
+        config=config,
+    )
+
+
+def match_by_fit(
+    pair: PreparedPair,
+    directions: list[Direction],
+    tried: list[Candidate],
+    further: Callable[[], list[Candidate]] | None = None,
+) -> Matching:
+    """The candidate, or the combination of candidates, along which the clouds deform best.
 
     Parameters
     ----------
-    source, target
-    config
-    seed
-    to_move : (n,) bool, optional
-        The target is the mirror image of the source, point by point. Maps that leave most of these points in
-        their medial region do not count, if there are others.
-
-    Raises
-    ------
-    InputError
-        If the operators differ: their diffusions cannot be compared.
+    pair
+    directions
+        One or two.
+    tried
+        Candidates of any direction.
+    further
+        Makes more candidates, for when none of the first makes most of both surfaces meet. Then rigid motions
+        are tried as well, and the search goes on once more if that helps too little.
     """
-
-    def __init__(
-        self,
-        source: Diffusion,
-        target: Diffusion,
-        config: MatchConfig,
-        seed: int,
-        to_move: NDArray[np.bool_] | None = None,
-    ) -> None:
-        if source.operator != target.operator:
-            raise InputError(
-                f"cannot match a {source.operator!r} diffusion to a {target.operator!r} one; use one operator"
-            )
-        self.diffusions, self.config, self.seed, self.to_move = (source, target), config, seed, to_move
-        self.times = shared_times(source, target, config)
-        clouds = common_units(source, target)
-        samples = self._samples()
-        sides = [prepare(d, self.times, some) for d, some in zip(self.diffusions, samples, strict=True)]
-        paths: list[MedialPaths | None] = [None, None]
-        if config.paths and config.selection == "fit":
-            paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
-        covers = run_tasks(farthest_order, [(cloud.points, MOST_POINTS) for cloud in clouds])
-        self.ends = [End(*parts) for parts in zip(sides, clouds, paths, covers, strict=True)]
-
-    def _samples(self) -> list[NDArray[np.int64]]:
-        """S_P and S_Q: by spectral clustering (Sec. 4); where the fit decides, they cover the surface."""
-        rngs = [np.random.default_rng([self.seed, k]) for k in (0, 1)]
-        count = self.config.samples
-        if self.config.selection == "fit":
-            each = zip(self._coordinates, rngs, strict=True)
-            return run_tasks(cluster_samples, [(x, count, rng) for x, rng in each])
-        return [spectral_samples(d, count, rng) for d, rng in zip(self.diffusions, rngs, strict=True)]
-
-    @cached_property
-    def _coordinates(self) -> list[Float32]:
-        """Of both clouds: in which pieces of limbs are close."""
-        return run_tasks(neighbourhoods, [(diffusion,) for diffusion in self.diffusions])
-
-    @cached_property
-    def ways(self) -> list[Way]:
-        """The source onto the target and, if both are wanted, the target onto the source."""
-        here, there = self.ends
-        both = self.config.both_ways and self.config.selection == "fit"
-        first, second = self._coordinates
-        wanted = [(here, there, first, False), (there, here, second, True)][: 2 if both else 1]
-
-        def way(source: End, target: End, coordinates: Float32, backward: bool) -> Way:
-            return Way(source, target, coordinates, self.times, self.config, backward, self.to_move)
-
-        return run_tasks(way, wanted)
-
-    def match(self) -> Matching:
-        """Search for landmarks, and follow what they lead to."""
-        config = self.config
-        rngs = [np.random.default_rng([self.seed, 2]), np.random.default_rng([self.seed, 3])]
-        if config.selection == "fit":
-            draw = Sets(self.ways, rngs)
-            return self.by_fit(draw.first(), draw.more)
-        here, there = (end.side for end in self.ends)
-        starts = first_landmarks(here, middle_time(self.times), config, rngs[0])
-        sets = diffusion_sets(here, there, self.times, config, starts)
-        return self.by_cost([grown(here, there, pairs, config) for pairs in sets])
-
-    def given(self, landmarks: NDArray[np.int64]) -> list[list[Candidate]]:
-        """The candidate that given landmarks (L, 2) make, for each way."""
-        return [way.grown([landmarks], []) for way in self.ways]
-
-    def by_cost(self, candidates: list[Candidate]) -> Matching:
-        """The candidate of the lowest cost of Eq. 17, spread to all points (Sec. 4)."""
-        costs = np.array([c.cost for c in candidates])
-        chosen = int(costs.argmin())
-        if self.config.refine == "deform":
-            return self.by_fit([[candidates[chosen]]])
-        here, there = self.ends
-        mapped, residual = extend(here.side, there.side, candidates[chosen].landmarks, slice(None))
-        confidence = confidence_of_residual(residual)
-        if self.config.refine == "spectral":
-            mapped = spectral_refinement(*self.diffusions, mapped)
-        return self._matching(mapped, confidence, [candidates], -costs, chosen, "undecided")
-
-    def by_fit(
-        self, candidates: list[list[Candidate]], more: Callable[[], list[list[Candidate]]] | None = None
-    ) -> Matching:
-        """The candidate, or the combination of candidates, along which the clouds deform best.
-
-        Parameters
-        ----------
-        candidates
-            Of each way.
-        more
-            Further ones, for when none of the first makes most of both surfaces meet: then rigid motions are
-            tried as well, and the search goes on once more if that helps too little.
-        """
-        ways, config = self.ways, self.config
-        followed, settled = self._tried(candidates)
-        if more is not None and self._seen(settled) < ENOUGH:
-            others = more()
-            candidates, before = _joined(candidates, others), (followed, settled)
-            followed, settled = (_joined(a, b) for a, b in zip(before, self._tried(others), strict=True))
-            if config.rigid_starts:
-                settled = _joined(settled, [way.from_rigid() for way in ways])
-        pools = self._moving(search(ways, self._moving(settled)))
-        if more is not None and BARELY < self._seen(pools) < ENOUGH:
-            pools = self._moving(search(ways, pools))
-        starts, pool = self._placed(followed), self._placed(pools)
-        best, dense = Finish(ways, pools, pool, config).chosen()
-        at = pool[best]
-        gaps = np.array([at.gap(start) for start in starts])
-        mapped = dense.match
-        if config.refine != "deform" and not config.recombine:
-            mapped = candidates[0][int(gaps[: len(candidates[0])].argmin())].dense()
-        if config.refine == "spectral":
-            mapped = spectral_refinement(*self.diffusions, mapped)
-        confidence = confidence_of_fit(dense, at, pool, ways[0].attachment, self.ends[0].side.samples)
-        flip = flip_verdict(at, pool, candidates[0], self.ends[1].cloud)
-        scores = np.array([start.score for start in starts])
-        return self._matching(mapped, confidence, candidates, scores, int(gaps.argmin()), flip)
-
-    def _tried(self, candidates: list[list[Candidate]]) -> tuple[list[list[Fit]], list[list[Fit]]]:
-        """Of each way: the candidates, followed, and what the distinct ones settle to."""
-        followed = [way.follow(each) for way, each in zip(self.ways, candidates, strict=True)]
-        return followed, [way.settle(each) for way, each in zip(self.ways, followed, strict=True)]
-
-    def _moving(self, fits: list[list[Fit]]) -> list[list[Fit]]:
-        """Of each way: the fits that do not leave the body where it is; all of them if every one does."""
-        each = zip(self.ways, fits, strict=True)
-        moving = [[fit for fit in some if way.staying(fit) <= STAYING] for way, some in each]
-        return moving if any(moving) else fits
-
-    def _seen(self, fits: list[list[Fit]]) -> float:
-        """The most that a fit sees that does not leave the body where it is."""
-        every = ((way, fit) for way, each in zip(self.ways, fits, strict=True) for fit in each)
-        return max((fit.seen for way, fit in every if way.staying(fit) <= STAYING), default=0.0)
-
-    def _placed(self, fits: list[list[Fit]]) -> list[Placed]:
-        tasks = [(way, fit) for way, each in zip(self.ways, fits, strict=True) for fit in each]
-        return run_tasks(Way.placed, tasks)
-
-    def _matching(
-        self,
-        mapped: NDArray[np.int64],
-        confidence: NDArray[np.float64],
-        candidates: list[list[Candidate]],
-        scores: NDArray[np.float64],
-        chosen: int,
-        flip: str,
-    ) -> Matching:
-        every = [c for each in candidates for c in each]
-        pairs = [
-            c.landmarks[:, ::-1] if k else c.landmarks for k, each in enumerate(candidates) for c in each
-        ]
-        landmarks = pairs[chosen][:, 0]
-        return Matching(
-            source_to_target=mapped,
-            landmarks=np.column_stack([landmarks, mapped[landmarks]]),
-            cost=every[chosen].cost,
-            confidence=confidence,
-            restarts={
-                "first": np.array([pair[0, 0] for pair in pairs]),
-                "partner": np.array([pair[0, 1] for pair in pairs]),
-                "paths": np.array([c.by_paths for c in every]),
-                "backward": np.repeat([False, True][: len(candidates)], [len(each) for each in candidates]),
-                "cost": np.array([c.cost for c in every]),
-                "score": scores,
-                "chosen": np.arange(len(every)) == chosen,
-            },
-            flip=flip,
-            seed=self.seed,
-            config=self.config,
-        )
+    followed = follow(directions, tried)
+    settled = settle(directions, followed)
+    if further is not None and most_seen(settled) < ENOUGH:
+        more = further()
+        more_followed = follow(directions, more)
+        settled += settle(directions, more_followed)
+        tried, followed = tried + more, followed + more_followed
+        if pair.config.rigid_starts:
+            settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
+    fits = moving(search(directions, moving(settled)))
+    if further is not None and BARELY < most_seen(fits) < ENOUGH:
+        fits = moving(search(directions, fits))
+    return _of_fits(pair, directions, forward_first(tried), forward_first(followed), fits)
 
 
-def _joined(first: list[list[T]], second: list[list[T]]) -> list[list[T]]:
-    return [a + b for a, b in zip(first, second, strict=True)]
+def _of_fits(
+    pair: PreparedPair,
+    directions: list[Direction],
+    tried: list[Candidate],
+    followed: list[DirectedFit],
+    fits: list[DirectedFit],
+) -> Matching:
+    """Select among the fits, refine the best one, and judge the map.
+
+    Parameters
+    ----------
+    tried, followed
+        Candidates and their fits before they settled, the forward ones first.
+    fits
+        What the search ended with.
+    """
+    config = pair.config
+    starts, placements = run_tasks(place, [(f,) for f in followed]), run_tasks(place, [(f,) for f in fits])
+    best, dense = FineSelection(fits, placements, config).choose()
+    at = placements[best]
+    gaps = np.array([at.gap(start) for start in starts])
+    forward = [c for c in tried if not c.backward]
+    mapped = dense.match
+    if config.refine != "deform" and not config.recombine:
+        mapped = forward[int(gaps[: len(forward)].argmin())].dense()
+    if config.refine == "spectral":
+        mapped = spectral_refinement(*pair.diffusions, mapped)
+    chosen = int(gaps.argmin())
+    landmarks = tried[chosen].landmarks[:, 0]
+    return Matching(
+        source_to_target=mapped,
+        landmarks=np.column_stack([landmarks, mapped[landmarks]]),
+        cost=tried[chosen].cost,
+        confidence=confidence_of_fit(
+            dense, at, placements, directions[0].attachment, pair.source.descriptors.samples
+        ),
+        restarts=restarts_table(tried, np.array([start.score for start in starts]), chosen),
+        mirror_check=mirror_verdict(at, placements, forward, pair.target.cloud),
+        seed=pair.seed,
+        config=config,
+    )
+
+
+def restarts_table(
+    tried: list[Candidate], scores: NDArray[np.float64], chosen: int
+) -> dict[str, NDArray[np.generic]]:
+    """The table `Matching.restarts`: one entry per candidate."""
+    return {
+        "first": np.array([c.landmarks[0, 0] for c in tried]),
+        "partner": np.array([c.landmarks[0, 1] for c in tried]),
+        "paths": np.array([c.by_paths for c in tried]),
+        "backward": np.array([c.backward for c in tried]),
+        "cost": np.array([c.cost for c in tried]),
+        "score": scores,
+        "chosen": np.arange(len(tried)) == chosen,
+    }

@@ -1,36 +1,39 @@
-"""Left for right: what the orientation-preserving fit says about the map that intrinsic evidence prefers."""
+"""Left for right: what the deformation says of the map that the cost of Eq. 17 prefers.
 
-from medial.matching.common_units import Cloud
+Diffusion cannot tell a shape from its mirror image, so the cost prefers a mirrored map as often as the right
+one. Rigid pieces cannot be mirrored, so the fit decides, unless another map fits as well.
+"""
+
+from medial.matching.common_units import CloudInUnits
 from medial.matching.landmarks.candidates import Candidate
-from medial.matching.registration.direction import Placed
+from medial.matching.registration.placement import MARGIN, Placement
 
-MARGIN = 0.03
-"""A map that leads its rival (`Placed.lead`) by less than this leaves it open which one is right."""
 RIVAL = 0.1
-"""Mean distance, in sqrt(area), from which two maps count as rivals."""
+"""Mean distance, in sqrt(area), from which two maps are different ones."""
 
 
-def flip_verdict(best: Placed, pool: list[Placed], candidates: list[Candidate], target: Cloud) -> str:
-    """Whether the chosen map is that of the lowest cost of Eq. 17, a rival of it, or hardly better than one.
-
-    Diffusion cannot tell a shape from its mirror image, so the cost prefers a mirrored map as often as the
-    right one. Rigid pieces cannot be mirrored, so the fit decides, unless a rival fits as well.
+def mirror_verdict(
+    best: Placement, placements: list[Placement], forward: list[Candidate], target: CloudInUnits
+) -> str:
+    """Whether the selected map is the one of the lowest cost of Eq. 17.
 
     Parameters
     ----------
     best
-        The chosen fit.
-    pool
-        All distinct fits, of both ways.
-    candidates
-        Landmark sets on the source.
+        Of the selected fit.
+    placements
+        Of all distinct fits, of both directions.
+    forward
+        Candidates that map the source onto the target. Those by path length have no cost, and no say.
     target
 
     Returns
     -------
-    {"kept", "flipped", "undecided"}
+    {"agrees", "overruled", "undecided"}
+        It is; it is another one; or another map leads to a fit that is about as good (`Placement.lead`).
     """
-    if any(best.gap(rival) > RIVAL and best.lead(rival) < MARGIN for rival in pool):
+    if any(best.gap(other) > RIVAL and best.lead(other) < MARGIN for other in placements):
         return "undecided"
-    by_cost = min((c for c in candidates if not c.by_paths), key=lambda c: c.cost)
-    return "flipped" if best.gap(Placed(target.points[by_cost.at_samples], 0.0, 0.0)) > RIVAL else "kept"
+    by_cost = min((c for c in forward if not c.by_paths), key=lambda c: c.cost)
+    preferred = Placement(target.points[by_cost.at_samples], 0.0, 0.0)
+    return "overruled" if best.gap(preferred) > RIVAL else "agrees"

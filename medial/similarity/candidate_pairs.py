@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from datasets_gen.compiled import compiled, grown, ranges, run_tasks
 from medial.similarity.candidate_ball import columns
 from medial.similarity.critical_radius import FINE, Grid
-from medial.similarity.leaves import LEAF, Cloud
+from medial.similarity.leaves import LEAF, SortedCloud
 
 MARGIN = 1.01  # of radii, in the single-precision test
 LEAVES_PER_TASK = 16
@@ -100,7 +100,7 @@ class Screen(NamedTuple):
     leaves: _Leaves
 
 
-def make_screen(cloud: Cloud, grid: Grid, tangency: float, cap: float) -> Screen:
+def make_screen(cloud: SortedCloud, grid: Grid, tangency: float, cap: float) -> Screen:
     """Prepare the single-precision test."""
     positions = np.stack([cloud.x, cloud.y, cloud.z])
     middle = positions.mean(axis=1)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.compiled import compiled, grown, run_tasks
-from medial.similarity.leaves import Cloud
+from medial.similarity.leaves import SortedCloud
 
 FINE = 4  # fine cells along a coarse one
 ROOT = 8  # coarse cells along a root
@@ -69,7 +69,7 @@ class _Limits(NamedTuple):
     cap: float
 
 
-def critical_grid(cloud: Cloud, most: float, tangency: float, cap: float) -> Grid:
+def critical_grid(cloud: SortedCloud, most: float, tangency: float, cap: float) -> Grid:
     """Build the grid.
 
     Parameters

@@ -15,7 +15,7 @@ from datasets_gen.compiled import compiled, run_tasks
 from medial.similarity.candidate_ball import candidate_ball
 from medial.similarity.candidate_pairs import Pairs
 from medial.similarity.critical_radius import Grid
-from medial.similarity.leaves import LEAF, Cloud
+from medial.similarity.leaves import LEAF, SortedCloud
 
 CHUNK = 32  # points in the first chunk; every chunk doubles
 RINGS = 64  # bins of distance from the cell's centre
@@ -23,12 +23,13 @@ PAIRS_PER_TASK = 2**16
 
 
 class Settings(NamedTuple):
-    """Parameters of Eq. 7 and its truncation: ln(1 / cut-off) and the radius cap."""
+    """Parameters of Eq. 7 and of its truncation: ln(1 / cut-off), radius cap and cut-off."""
 
     sigma_e: float
     sigma_t: float
     budget: float
     cap: float
+    cutoff: float
 
 
 class _Balls(NamedTuple):
@@ -45,7 +46,7 @@ class _Balls(NamedTuple):
     pair: NDArray[np.int64]
 
 
-def similarities(cloud: Cloud, grid: Grid, pairs: Pairs, settings: Settings) -> NDArray[np.float64]:
+def similarities(cloud: SortedCloud, grid: Grid, pairs: Pairs, settings: Settings) -> NDArray[np.float64]:
     """Phi of every candidate pair; 0 where it is below the cut-off.
 
     Returns

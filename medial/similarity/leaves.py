@@ -11,7 +11,7 @@ from medial.similarity.candidate_ball import columns
 LEAF = 8
 
 
-class Cloud(NamedTuple):
+class SortedCloud(NamedTuple):
     """Points in kd-tree order and their leaves; leaf k holds points 8k to 8k + 8.
 
     Attributes
@@ -43,12 +43,12 @@ class Cloud(NamedTuple):
 
 def kd_cloud(
     points: NDArray[np.float64], normals: NDArray[np.float64], mass: NDArray[np.float64]
-) -> tuple[Cloud, NDArray[np.int64]]:
+) -> tuple[SortedCloud, NDArray[np.int64]]:
     """Sort a cloud into kd-tree order, which depends on its points alone and not on the caller's order.
 
     Returns
     -------
-    cloud : Cloud
+    cloud : SortedCloud
     order : (n,) int64
         Place of each sorted point in the caller's arrays.
     """
@@ -58,7 +58,7 @@ def kd_cloud(
     cones, weights = _normal_cones(normals, mass)
     x, y, z = columns(points)
     u, v, w = columns(normals)
-    return Cloud(x, y, z, u, v, w, mass, leaf_spheres(points), cones, weights), order
+    return SortedCloud(x, y, z, u, v, w, mass, leaf_spheres(points), cones, weights), order
 
 
 @compiled()

@@ -1,4 +1,4 @@
-"""Medial similarity phi between all pairs of points (Eqs. 4-7)."""
+"""Medial similarity phi between all pairs of points (Eqs. 4-7), in its fast form."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -14,9 +14,10 @@ from medial.similarity.candidate_ball import SMALLEST_TANGENCY, smallest_width
 from medial.similarity.candidate_pairs import Screen, candidate_pairs, make_screen
 from medial.similarity.critical_radius import Grid, critical_grid
 from medial.similarity.emptiness import Settings, similarities
-from medial.similarity.leaves import LEAF, Cloud, kd_cloud
+from medial.similarity.every_pair import similar_among_all
+from medial.similarity.leaves import LEAF, SortedCloud, kd_cloud
 from medial.sparse import symmetric
-from medial.validation import check_cloud
+from medial.validation import OrientedCloud, check_cloud
 
 PAIRS_AT_ONCE = 10**8  # pairs of points examined before survivors are collected: bounds the memory
 MOST_PAIRS = 2.5e8  # similar pairs that 8 GB hold
@@ -45,7 +46,8 @@ def similarity(
         Smaller similarities are dropped, in (0, 1).
     r_cap
         Largest radius of a candidate ball, in the units of `points`; by default the smallest PCA width of the
-        cloud. Eq. 6 measures depth relative to r, so without a cap enormous balls look empty.
+        cloud. Eq. 6 measures depth relative to r, so without a cap enormous balls look empty. Infinity takes
+        balls of any radius, on the processor and much more slowly (`similarity.every_pair`).
     weights : (n,), optional
         How much each point counts in Eq. 5; 1 by default, which is the paper's formula as written. See
         `medial.density_weights` for weights that make phi independent of the number of points.
@@ -64,30 +66,53 @@ def similarity(
         If the arrays are not an oriented cloud, a parameter is out of range, the device is missing, or the
         cloud is so round that most pairs are similar and the result would not fit in memory.
     """
-    points, normals = check_cloud(points, normals)
-    n = len(points)
-    mass = np.ones(n) if weights is None else np.ascontiguousarray(weights, dtype=np.float64)
+    cloud = check_cloud(points, normals)
+    mass = np.ones(len(cloud)) if weights is None else np.ascontiguousarray(weights, dtype=np.float64)
     check_similarity(sigma_e, sigma_t, cutoff)
     check_device(device)
-    _check_weights(mass, n)
+    _check_weights(mass, len(cloud))
+    cap = smallest_width(cloud.points) if r_cap is None else float(r_cap)
+    settings = Settings(float(sigma_e), float(sigma_t), -np.log(cutoff), cap, cutoff)
+    return similarity_of(cloud, settings, mass, device)
+
+
+def similarity_of(
+    cloud: OrientedCloud, settings: Settings, mass: NDArray[np.float64], device: str = CPU
+) -> csr_array:
+    """`similarity` of a cloud and settings that have been checked.
+
+    Parameters
+    ----------
+    cloud
+    settings
+        Tolerances, cut-off and radius cap.
+    mass : (n,)
+        How much each point counts in Eq. 5.
+    device : {"cpu", "cuda", "llvm"}
+    """
+    n = len(cloud)
     jit = None if device == CPU else backend(device)
-    cap = smallest_width(points) if r_cap is None else float(r_cap)
-    extent = float(np.ptp(points, axis=0).max())
-    if cap <= 1e-9 * extent:
+    extent = float(np.ptp(cloud.points, axis=0).max())
+    if settings.cap <= 1e-9 * extent:
         return csr_array((n, n))  # a plane or a line: no ball fits below it
-    budget = -np.log(cutoff)
-    settings = Settings(float(sigma_e), float(sigma_t), budget, cap)
-    tangency = max(2.0 - sigma_t**2 * budget / 4, SMALLEST_TANGENCY)
-    cloud, order = kd_cloud(points, normals, mass)
-    grid = critical_grid(cloud, sigma_e * np.sqrt(budget), tangency, cap)
-    screen = make_screen(cloud, grid, tangency, cap)
+    if not np.isfinite(settings.cap):
+        return _matrix(similar_among_all(cloud, settings, mass), n)
+    tangency = max(2.0 - settings.sigma_t**2 * settings.budget / 4, SMALLEST_TANGENCY)
+    ordered, order = kd_cloud(cloud.points, cloud.normals, mass)
+    grid = critical_grid(ordered, settings.sigma_e * np.sqrt(settings.budget), tangency, settings.cap)
+    screen = make_screen(ordered, grid, tangency, settings.cap)
     if jit is None:
-        found = _bounded(_similar_pairs(cloud, order, grid, screen, settings, cutoff), n)
-        i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
-        return symmetric(i, j, phi, n)
+        return _matrix(_similar_pairs(ordered, order, grid, screen, settings), n)
     from medial.device.pair_similarity import joined, similar_pairs  # imports Dr.Jit
 
-    return joined(jit, _bounded(similar_pairs(jit, cloud, order, grid, screen, settings, cutoff), n), n)
+    return joined(jit, _bounded(similar_pairs(jit, ordered, order, grid, screen, settings), n), n)
+
+
+def _matrix(parts: Iterator[tuple[Any, Any, Any]], n: int) -> csr_array:
+    """The (n, n) matrix of similar pairs (i, j, phi)."""
+    found = _bounded(parts, n)
+    i, j, phi = (np.concatenate([part[k] for part in found]) for k in range(3))
+    return symmetric(i, j, phi, n)
 
 
 def _bounded(parts: Iterator[tuple[Any, Any, Any]], n: int) -> list[tuple[Any, Any, Any]]:
@@ -105,13 +130,13 @@ def _bounded(parts: Iterator[tuple[Any, Any, Any]], n: int) -> list[tuple[Any, A
 
 
 def _similar_pairs(
-    cloud: Cloud, order: NDArray[np.int64], grid: Grid, screen: Screen, settings: Settings, cutoff: float
+    cloud: SortedCloud, order: NDArray[np.int64], grid: Grid, screen: Screen, settings: Settings
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]]:
     """Pairs whose similarity reaches the cut-off, and it: a bounded number at a time."""
     for leaves in ranges(len(cloud.spheres), max(PAIRS_AT_ONCE // (len(cloud.x) * LEAF), 16)):
         pairs = candidate_pairs(grid, screen, leaves)
         values = similarities(cloud, grid, pairs, settings)
-        kept = values >= cutoff
+        kept = values >= settings.cutoff
         yield order[pairs.i[kept]], order[pairs.j[kept]], values[kept]
 
 

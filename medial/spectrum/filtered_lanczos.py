@@ -4,6 +4,9 @@ A Chebyshev polynomial of the matrix maps the unwanted part of the spectrum [edg
 up what lies below the edge, so that a Krylov space of about 1.6 vectors per wanted pair suffices [Zhou & Saad
 2007]. The edge is placed where the spectral density, estimated by stochastic Lanczos quadrature [Lin, Saad &
 Yang 2016], counts 1.25 times the pairs wanted: an edge placed exactly at the last one converges slowly.
+
+Compared on the medial operator at 5,000 points and 300 modes: 2.4 s here, scipy's ``eigsh`` 33 s and with
+``sigma=`` 22 s, ``lobpcg`` 127 s without converging (python -m tests.benchmarks.operator_solvers 5000).
 """
 
 import logging
@@ -40,7 +43,6 @@ def filtered_lanczos(
     count: int,
     known: Array,
     tolerance: float,
-    start: Array | None = None,
     device: str = CPU,
 ) -> tuple[Array, Array, float]:
     """The `count` smallest eigenpairs orthogonal to `known` ones.
@@ -55,8 +57,6 @@ def filtered_lanczos(
         Orthonormal eigenvectors to leave out.
     tolerance
         Largest residual relative to the largest eigenvalue.
-    start : (n, m), optional
-        Approximate eigenvectors.
     device : {"cpu", "cuda", "llvm"}
         Where the matrix is filtered (`medial.device`).
 
@@ -75,6 +75,7 @@ def filtered_lanczos(
     below = np.cumsum(weights[order]) * n - known.shape[1]
     edge = float(np.interp(SURPLUS * count + 2 * BLOCK, below, ritz[order]))
     largest = min(LARGEST_SPACE * count + SMALLEST_SPACE, n - known.shape[1] - BLOCK)
+    start: Array | None = None
     for _ in range(RESTARTS):
         edge = min(max(edge, 1e-7 * top), 0.9 * top)
         degree = int(np.clip(round(DEGREE * np.sqrt(top / edge)), *DEGREES))

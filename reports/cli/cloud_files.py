@@ -1,4 +1,4 @@
-"""Clouds from files: scans, point clouds with or without normals, and meshes, which are sampled."""
+"""Clouds from files (scans, bare clouds, meshes, which are sampled), and the points of them to match."""
 
 import logging
 import re
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from datasets_gen import MESH_SUFFIXES, InputError, load_mesh
+from datasets_gen.points.farthest import farthest_points
 
 if TYPE_CHECKING:
     from scanner_sim import Scan
@@ -21,15 +22,15 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class FileCloud:
-    """A cloud as it is in a file, and the evenly spread part of it that is matched.
+class ThinnedCloud:
+    """A cloud, and the evenly spread part of it that is matched.
 
     Attributes
     ----------
     points : (n, 3) float64
-        As in the file and in its order; of a mesh, the samples drawn from it.
+        As given and in that order; of a mesh, the samples drawn from it.
     scan : Scan
-        The m points that are matched. Without ground truth, unless the file is a scan: face ids are -1.
+        The m points that are matched. Without ground truth, unless a scan was given: face ids are -1.
     kept : (m,) int64
         Which of `points` they are.
     nearest : (n,) int64
@@ -41,9 +42,25 @@ class FileCloud:
     kept: NDArray[np.int64]
     nearest: NDArray[np.int64]
 
+    @classmethod
+    def of(cls, scan: "Scan", points: int, seed: int = 0) -> "ThinnedCloud":
+        """Pick at most `points` points by farthest-point sampling; the seed picks the first."""
+        if len(scan) <= points:
+            kept = np.arange(len(scan))
+        else:
+            start = int(np.random.default_rng(seed).integers(len(scan)))
+            kept = farthest_points(scan.points, points, start)
+        nearest = cKDTree(scan.points[kept]).query(scan.points)[1]
+        return cls(scan.points, scan.select(kept), kept, nearest)
 
-def read_cloud(path: Path, points: int, seed: int = 0, repair: bool = False) -> FileCloud:
-    """Read a cloud and thin it out.
+
+def read_thinned(path: Path, points: int, seed: int = 0, repair: bool = False) -> ThinnedCloud:
+    """Read a cloud and thin it out; see `read_cloud` and `ThinnedCloud.of`."""
+    return ThinnedCloud.of(read_cloud(path, points, seed, repair), points, seed)
+
+
+def read_cloud(path: Path, points: int, seed: int = 0, repair: bool = False) -> "Scan":
+    """Read a cloud, with estimated normals where the file has none.
 
     Parameters
     ----------
@@ -51,9 +68,9 @@ def read_cloud(path: Path, points: int, seed: int = 0, repair: bool = False) -> 
         ``.npz`` (a scan or a shape), ``.ply``, ``.obj``, ``.off`` (a cloud or a mesh) or ``.xyz`` (columns
         x y z or x y z nx ny nz).
     points
-        Number of points to match; a cloud with fewer is used whole.
+        Number of samples to draw from a mesh.
     seed
-        Of the samples of a mesh and of the thinning.
+        Of the samples of a mesh.
     repair
         Of a mesh, see `datasets_gen.load_mesh`.
 
@@ -62,7 +79,6 @@ def read_cloud(path: Path, points: int, seed: int = 0, repair: bool = False) -> 
     InputError
         If the file cannot be used.
     """
-    from datasets_gen.points.farthest import farthest_points
     from scanner_sim import sample
 
     if path.suffix.lower() not in CLOUD_SUFFIXES:
@@ -74,15 +90,8 @@ def read_cloud(path: Path, points: int, seed: int = 0, repair: bool = False) -> 
     scan = _scan(path)
     if scan is None:
         scan = sample(load_mesh(path, repair=repair), points, seed)
-    _check(scan, path)
-    scan = with_normals(scan, path)
-    if len(scan) <= points:
-        kept = np.arange(len(scan))
-    else:
-        start = int(np.random.default_rng(seed).integers(len(scan)))
-        kept = farthest_points(scan.points, points, start)
-    nearest = cKDTree(scan.points[kept]).query(scan.points)[1]
-    return FileCloud(scan.points, scan.select(kept), kept, nearest)
+    check_finite(scan, repr(str(path)))
+    return with_normals(scan, repr(str(path)))
 
 
 def _scan(path: Path) -> "Scan | None":
@@ -91,7 +100,7 @@ def _scan(path: Path) -> "Scan | None":
 
     suffix = path.suffix.lower()
     if suffix == ".npz":
-        return None if _kind(path) == "Shape" else Scan.load(path)
+        return None if file_kind(path) == "Shape" else Scan.load(path)
     if suffix == ".xyz":
         return bare_scan(*_columns(path), name=path.stem)
     points, normals, faces = _read(path)
@@ -119,25 +128,27 @@ def bare_scan(points: NDArray[Any], normals: NDArray[Any] | None, name: str) -> 
     )
 
 
-def with_normals(scan: "Scan", path: Path) -> "Scan":
-    """The scan, with estimated normals where the file had none."""
+def with_normals(scan: "Scan", name: str, warn: bool = True) -> "Scan":
+    """The scan, with estimated normals where it has none; `name` is for the warning."""
     from medial.outward import estimate_normals
 
     if not np.isnan(scan.normals).all():
         return scan
-    _log.warning("%s has no normals: estimated; give them where the scanner knows them", path)
+    if warn:
+        _log.warning("%s has no normals: estimated; give them where the scanner knows them", name)
     return replace(scan, normals=estimate_normals(scan.points))
 
 
-def _check(scan: "Scan", path: Path) -> None:
+def check_finite(scan: "Scan", name: str) -> None:
+    """Raise InputError if a cloud is empty or has points that are not finite; `name` is for the message."""
     bad = int((~np.isfinite(scan.points)).any(axis=1).sum())
     if bad:
-        raise InputError(f"{str(path)!r} has {bad} points that are NaN or infinite; remove them")
+        raise InputError(f"{name} has {bad} points that are NaN or infinite; remove them")
     if len(scan) == 0:
-        raise InputError(f"{str(path)!r} has no points")
+        raise InputError(f"{name} has no points; give at least one")
 
 
-def _kind(path: Path) -> str:
+def file_kind(path: Path) -> str:
     """What an ``.npz`` file of this project holds; anything unreadable is left to the loader to name."""
     try:
         with np.load(path, allow_pickle=False) as data:

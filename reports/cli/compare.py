@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from reports.cli.console import Command, Failure, output, show
+from reports.cli.console import Command, Failure, print_lines, result_console
+from reports.cli.results_folders import open_results
 
 MEASURES = ("geodesic_mean", "geodesic_median", "geodesic_symmetric_mean", "medial_mean")
 
@@ -23,20 +24,19 @@ def compare(folder: Path, measure: str, quiet: bool) -> None:
 
     The tests are two-sided Wilcoxon signed-rank tests over pairs of scans, corrected for their number (Holm).
     """
-    from evaluation.results.store import ResultsStore
-    from reports.tables.leaderboard import ceilings, leaderboard, plain
+    from reports.tables.leaderboard import ceilings, leaderboard, with_numpy_types
     from reports.tables.statistics import paired_tests
     from reports.tables.terminal import leaderboard_lines, tests_lines
 
-    store = ResultsStore(folder)
-    table = plain(store.table())
+    store = open_results(folder, "compare")
+    table = with_numpy_types(store.table())
     board = leaderboard(table, ceilings(store.settings))
     if board.empty:
         raise Failure(
             f"{str(folder)!r} holds no correspondences to compare; run an experiment with [matching]"
         )
-    show(leaderboard_lines(board, output().width))
+    print_lines(leaderboard_lines(board, result_console().width))
     tests = paired_tests(table, measure)
     if len(tests):
-        output().print()
-        show(tests_lines(tests, measure))
+        result_console().print()
+        print_lines(tests_lines(tests, measure))

@@ -1,10 +1,9 @@
-"""What all commands share: --quiet and --debug, failures as one line, progress with the time left."""
+"""What all commands share: --quiet and --debug, failures as one line, what is printed where."""
 
 import logging
 import sys
-import time
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import IO, TYPE_CHECKING, Any
 
@@ -12,15 +11,11 @@ import click
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.progress import Progress
 
-PACKAGES = ("datasets_gen", "scanner_sim", "medial", "evaluation", "reports")
+PACKAGES = ("datasets_gen", "scanner_sim", "medial", "evaluation", "reports", "medialbench")
 
-WIDE = 132
+TABLE_WIDTH = 132
 """Characters per line of tables where the output is no terminal."""
-
-PLAIN_EVERY = 15.0
-"""Seconds between progress lines where the output is no terminal."""
 
 
 class Failure(click.ClickException):
@@ -54,7 +49,7 @@ class Command(click.Command):
     def invoke(self, ctx: click.Context) -> Any:
         """Run; turn exceptions into one-line failures unless --debug is given."""
         debug = ctx.params.pop("debug")
-        with messages(ctx.params["quiet"]) if not debug else nullcontext():
+        with log_messages(ctx.params["quiet"]) if not debug else nullcontext():
             try:
                 return super().invoke(ctx)
             except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -79,32 +74,32 @@ def reason(error: Exception) -> str:
     return f"unexpected {type(error).__name__}: {error} (add --debug for the traceback)"
 
 
-def output() -> "Console":
-    """Console for results."""
+def result_console() -> "Console":
+    """Standard output, for results."""
     from rich.console import Console
 
     console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=WIDE)
+    return console if console.is_terminal else Console(highlight=False, width=TABLE_WIDTH)
 
 
-def show(lines: Iterable[str]) -> None:
+def print_lines(lines: Iterable[str]) -> None:
     """Print lines with rich's markup, unbroken."""
-    console = output()
+    console = result_console()
     for line in lines:
         console.print(line, soft_wrap=True)
 
 
-def remarks() -> "Console":
-    """Console for progress and messages, which leave standard output to results."""
+def error_console() -> "Console":
+    """Standard error, for progress and messages."""
     from rich.console import Console
 
     return Console(stderr=True, highlight=False)
 
 
 @contextmanager
-def messages(quiet: bool) -> Iterator[None]:
+def log_messages(quiet: bool) -> Iterator[None]:
     """Show the project's own log messages: warnings, or errors alone when quiet; libraries keep theirs."""
-    handler = _Lines()
+    handler = _LogLines()
     handler.addFilter(lambda record: record.name.partition(".")[0] in PACKAGES)
     root = logging.getLogger()
     level = root.level
@@ -119,119 +114,16 @@ def messages(quiet: bool) -> Iterator[None]:
         root.setLevel(level)
 
 
-class _Lines(logging.Handler):
+class _LogLines(logging.Handler):
+    """Every record as one line on standard error."""
+
     def emit(self, record: logging.LogRecord) -> None:
-        remarks().print(
+        error_console().print(
             f"{record.levelname.lower()}: {record.getMessage()}", style="yellow", markup=False, soft_wrap=True
         )
 
 
-def note(quiet: bool, text: str) -> None:
-    """Say something on standard error unless quiet."""
+def say(quiet: bool, text: str) -> None:
+    """Print a message on standard error unless quiet."""
     if not quiet:
-        remarks().print(text, markup=False, style="dim", soft_wrap=True)
-
-
-class Bar:
-    """A progress bar over weighted work; lines at intervals where there is no terminal."""
-
-    def __init__(self, total: float, description: str, quiet: bool) -> None:
-        self._total, self._done, self._quiet = total, 0.0, quiet
-        self._description = description
-        self._begun = self._spoken = time.monotonic()
-        self._rich: Progress | None = None
-        console = remarks()
-        if not quiet and console.is_terminal:
-            self._rich = _rich_progress(console)
-            self._task = self._rich.add_task(description, total=total)
-
-    def __enter__(self) -> "Bar":
-        """Start drawing."""
-        if self._rich:
-            self._rich.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Stop drawing and leave the terminal clean."""
-        if self._rich:
-            self._rich.stop()
-
-    def describe(self, description: str) -> None:
-        """Change what the bar says it is doing."""
-        self._description = description
-        if self._rich:
-            self._rich.update(self._task, description=description)
-
-    def resize(self, total: float) -> None:
-        """Change the amount of work."""
-        self._total = total
-        if self._rich:
-            self._rich.update(self._task, total=total)
-
-    def move(self, done: float) -> None:
-        """Say how much work is finished in all."""
-        self.advance(done - self._done)
-
-    def advance(self, amount: float = 1.0) -> None:
-        """Count finished work."""
-        self._done += amount
-        if self._rich:
-            self._rich.advance(self._task, amount)
-        elif not self._quiet and time.monotonic() - self._spoken >= PLAIN_EVERY:
-            self._spoken = time.monotonic()
-            note(False, self._line())
-
-    def _line(self) -> str:
-        spent = self._spoken - self._begun
-        left = spent * (self._total - self._done) / self._done if self._done else float("nan")
-        return (
-            f"{self._description}: {100 * self._done / self._total:.0f} %, "
-            f"{clock(spent)} passed, about {clock(left)} left"
-        )
-
-
-def clock(seconds: float) -> str:
-    """Minutes and seconds, ``"2:05"``; hours where needed; ``"?"`` for nan."""
-    if seconds != seconds:
-        return "?"
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
-
-
-@contextmanager
-def steps(quiet: bool, named: Sequence[tuple[str, float]]) -> Iterator[Iterator[str]]:
-    """A bar over named steps with weights: ``next`` of what is yielded begins the following step.
-
-    Parameters
-    ----------
-    quiet
-    named
-        Description and rough relative duration of each step.
-    """
-    with Bar(sum(weight for _, weight in named), named[0][0], quiet) as bar:
-
-        def walk() -> Iterator[str]:
-            for position, (description, _) in enumerate(named):
-                if position:
-                    bar.advance(named[position - 1][1])
-                bar.describe(description)
-                yield description
-
-        yield walk()
-
-
-def _rich_progress(console: "Console") -> "Progress":
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
-    from rich.progress import TimeRemainingColumn as Left
-
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=None),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        Left(elapsed_when_finished=False),
-        console=console,
-        transient=True,
-    )
+        error_console().print(text, markup=False, style="dim", soft_wrap=True)

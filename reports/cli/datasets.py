@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from reports.cli.console import Bar, Command, note, output
+from reports.cli.console import Command, result_console, say
+from reports.cli.progress import ProgressBar
 
 
 @click.command(cls=Command, short_help="List the built-in shapes, or write them as files.")
@@ -27,33 +28,33 @@ def datasets(name: str | None, out: Path | None, seed: int, quiet: bool) -> None
         _list(names(), quiet)
         return
     if out is not None:
-        check_output_folder(out)
-    with Bar(1, f"loading {name}", quiet) as bar:
+        check_output_folder(out, () if name in names() else (name,))
+    with ProgressBar(1, f"loading {name}", quiet) as bar:
         collection = load(name, **({"seed": seed} if name in names() else {}))
         bar.advance()
     if out is None:
         for shape in collection.shapes:
-            output().print(shape.name, markup=False)
-        note(quiet, _summary(collection.reference))
+            result_console().print(shape.name, markup=False)
+        say(quiet, _summary(collection.reference))
         return
     from datasets_gen import write_collection
 
     manifest = write_collection(collection, out, {"seed": seed} if name in names() else None)
-    note(quiet, f"{len(collection.shapes)} poses and {manifest.name} written to {out}")
+    say(quiet, f"{len(collection.shapes)} poses and {manifest.name} written to {out}")
 
 
 def _list(names: tuple[str, ...], quiet: bool) -> None:
     from datasets_gen import load
 
     rows = []
-    with Bar(len(names), "loading", quiet) as bar:
+    with ProgressBar(len(names), "loading", quiet) as bar:
         for name in names:
             bar.describe(f"loading {name}")
             rows.append((name, load(name)))
             bar.advance()
     for name, collection in rows:
         poses = ", ".join(shape.pose for shape in collection.shapes)
-        output().print(f"[bold]{name}[/]  {_summary(collection.reference)}\n    {poses}")
+        result_console().print(f"[bold]{name}[/]  {_summary(collection.reference)}\n    {poses}")
 
 
 def _summary(shape: "object") -> str:

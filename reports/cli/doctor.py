@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import click
 
-from reports.cli.console import Bar, Command, Failure, output
+from reports.cli.console import Command, Failure, result_console
+from reports.cli.progress import ProgressBar
 
 LIBRARIES = ("numpy", "scipy", "numba", "robust-laplacian", "dask", "matplotlib")
 MARKS = {"ok": "[green]ok[/]     ", "off": "[yellow]without[/]", "bad": "[red]broken[/] "}
@@ -28,12 +29,12 @@ def doctor(quiet: bool) -> None:
     """Say which scanner variants, devices and methods work here; fails if the scanner cannot run."""
     checks: list[Check] = []
     parts = (system, variants, devices, methods)
-    with Bar(len(parts), "looking around", quiet) as bar:
+    with ProgressBar(len(parts), "looking around", quiet) as bar:
         for part in parts:
             bar.describe(f"looking at {part.__name__}")
             checks += part()
             bar.advance()
-    console = output()
+    console = result_console()
     for check in checks:
         console.print(f"{MARKS[check.state]}  {check.name:24}", end="")
         console.print(check.detail, markup=False, soft_wrap=True)

@@ -1,8 +1,6 @@
-"""Command line ``medialbench``: the one place that sees all packages.
+"""Command line ``medialbench``: the group of commands, each imported when it is asked for."""
 
-Commands live in `reports.cli`, one module each, and import what is heavy only when they run.
-"""
-
+import difflib
 import sys
 from collections.abc import MutableMapping, Sequence
 from importlib import import_module
@@ -17,7 +15,7 @@ COMMANDS = {
     "datasets": "reports.cli.datasets:datasets",
     "scan": "reports.cli.scan:scan",
     "match": "reports.cli.match:match",
-    "symmetry": "reports.cli.match:symmetry",
+    "symmetry": "reports.cli.symmetry:symmetry",
     "run": "reports.cli.run:run",
     "report": "reports.cli.report:report",
     "compare": "reports.cli.compare:compare",
@@ -41,6 +39,16 @@ class Commands(click.Group):
         command: click.Command = getattr(import_module(module), name)
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command; one that does not exist is answered with the nearest that does."""
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            close = difflib.get_close_matches(args[0], COMMANDS, n=1, cutoff=0.5)
+            hint = f"did you mean {close[0]!r}?" if close else f"commands: {', '.join(COMMANDS)}"
+            ctx.fail(f"no command {args[0]!r}; {hint}")
+        return super().resolve_command(ctx, args)
+
     def main(
         self,
         args: Sequence[str] | None = None,
@@ -55,38 +63,42 @@ class Commands(click.Group):
         try:
             status = super().main(args, "medialbench", complete_var, False, **extra)
         except click.UsageError as error:
-            _tell(_usage(error))
+            _print_failure(_usage(error))
             status = error.exit_code
         except click.ClickException as error:
-            _tell(error.format_message())
+            _print_failure(error.format_message())
             status = error.exit_code
         except (click.Abort, KeyboardInterrupt):
-            _tell("interrupted")
+            _print_failure("interrupted")
             status = Interrupted.exit_code
         sys.exit(status if isinstance(status, int) else 0)
 
 
-def _tell(line: str) -> None:
+def _print_failure(line: str) -> None:
     Failure(line).show()
 
 
 def _usage(error: click.UsageError) -> str:
     path = error.ctx.command_path if error.ctx else "medialbench"
-    return f"{error.format_message().rstrip('.')}; see {path} --help"
+    message = error.format_message().rstrip(".")
+    return f"{message} (see {path} --help)" if message.endswith("?") else f"{message}; see {path} --help"
 
 
 def _settings() -> MutableMapping[str, Any]:
     return {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
-@click.group(cls=Commands, context_settings=_settings(), no_args_is_help=False)
+@click.group(cls=Commands, context_settings=_settings(), invoke_without_command=True)
 @click.version_option(package_name="medialbench", message="%(prog)s %(version)s")
-def cli() -> None:
+@click.pass_context
+def cli(ctx: click.Context) -> None:
     """Measure how well incomplete laser scans of a deforming shape can be matched.
 
     Scans shapes with a simulated laser scanner, matches the clouds with medial diffusion and its peers, and
     reports errors against the missing surface.
     """
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
 
 
 def main() -> None:

@@ -4,15 +4,19 @@ from pathlib import Path
 
 import click
 
-from reports.cli.console import Bar, Command, note, output
+from reports.cli.console import Command, result_console, say
+from reports.cli.progress import ProgressBar
 
 
 @click.command(cls=Command, short_help="Join the results of several machines.")
 @click.argument("folders", metavar="DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
-    "-o", "--out", required=True, type=click.Path(path_type=Path), help="New folder for the joint results."
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="New folder for the joint results.  [default: merged, beside the first DIR]",
 )
-def merge(folders: tuple[Path, ...], out: Path, quiet: bool) -> None:
+def merge(folders: tuple[Path, ...], out: Path | None, quiet: bool) -> None:
     """Join results folders that share the work of one experiment by data set, method or seed.
 
     The joint folder stands by itself: medialbench report and compare read it, and medialbench run on its
@@ -20,11 +24,12 @@ def merge(folders: tuple[Path, ...], out: Path, quiet: bool) -> None:
     """
     from reports.cli.output_paths import check_output_folder
 
-    check_output_folder(out)
-    with Bar(1, f"merging {len(folders)} folders", quiet) as bar:
+    out = out or folders[0].resolve().parent / "merged"
+    check_output_folder(out, folders)
+    with ProgressBar(1, f"merging {len(folders)} folders", quiet) as bar:
         from evaluation.results.merging import merge_results
 
         store = merge_results(folders, out)
         bar.advance()
-    note(quiet, f"{len(store.table())} rows from {len(folders)} folders")
-    output().print(str(out), markup=False, soft_wrap=True)
+    say(quiet, f"{len(store.table())} rows from {len(folders)} folders")
+    result_console().print(str(out), markup=False, soft_wrap=True)

@@ -1,11 +1,12 @@
 """``medialbench report``: tables, figures and the page of a results folder."""
 
-import os
 from pathlib import Path
 
 import click
 
-from reports.cli.console import Bar, Command, output
+from reports.cli.console import Command, result_console
+from reports.cli.progress import ProgressBar
+from reports.cli.results_folders import open_results
 
 
 class Count(click.ParamType):
@@ -33,7 +34,8 @@ class Count(click.ParamType):
 @click.option("--pairs", type=Count(), default="24", show_default=True, help="Pairs of scans to draw.")
 def report(folder: Path, out: Path | None, pairs: int | None, jobs: int | None, quiet: bool) -> None:
     """Write tables (md, tex, csv), figures (pdf, png) and index.html of the results in DIR."""
-    output().print(str(write_report(folder, out, pairs, quiet, jobs)), markup=False, soft_wrap=True)
+    open_results(folder, "report")
+    result_console().print(str(write_report(folder, out, pairs, quiet, jobs)), markup=False, soft_wrap=True)
 
 
 def write_report(
@@ -43,7 +45,8 @@ def write_report(
     from reports.cli.output_paths import check_output_folder
 
     check_output_folder(out or folder / "report")
-    with Bar(1, "loading libraries", quiet) as bar:
+    with ProgressBar(1, "loading libraries", quiet) as bar:
+        from evaluation.running.environment import usable_processors
         from reports.page.report import build
 
         def show(label: str, done: int, total: int) -> None:
@@ -51,9 +54,4 @@ def write_report(
             bar.describe(f"report: {label}")
             bar.move(done)
 
-        return build(folder, out, pairs=pairs, jobs=jobs or processors(), progress=show)
-
-
-def processors() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return build(folder, out, pairs=pairs, jobs=jobs or usable_processors(), progress=show)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from reports.cli.console import Command, note, steps
+from reports.cli.console import Command, say
+from reports.cli.progress import steps
 from reports.cli.set_options import parsed
 
 
@@ -13,9 +14,8 @@ from reports.cli.set_options import parsed
 @click.option(
     "-o",
     "--out",
-    required=True,
     type=click.Path(path_type=Path),
-    help="Scan to write: .npz (everything) or .ply.",
+    help="Scan to write: .npz (everything) or .ply.  [default: MESH.scan.npz]",
 )
 @click.option(
     "-t",
@@ -50,7 +50,7 @@ from reports.cli.set_options import parsed
 )
 def scan(
     mesh: Path,
-    out: Path,
+    out: Path | None,
     peak_threshold: float | None,
     views: str | None,
     points: int | None,
@@ -66,11 +66,12 @@ def scan(
     Every point of the scan knows its face and barycentric coordinates on the mesh.
     """
     from datasets_gen import load_mesh
-    from reports.cli.output_paths import check_output_file, check_output_folder
+    from reports.cli.output_paths import check_output_file, check_output_folder, default_output
 
-    check_output_file(out, (".npz", ".ply"))
+    out = out or default_output((mesh,), "scan")
+    check_output_file(out, (".npz", ".ply"), (mesh,))
     if preview is not None:
-        check_output_file(preview, (".png", ".pdf", ".svg"))
+        check_output_file(preview, (".png", ".pdf", ".svg"), (mesh,))
     if range_images is not None:
         check_output_folder(range_images)
     named = {"views": _number(views), "peak_threshold": peak_threshold}
@@ -91,11 +92,11 @@ def scan(
         next(step)
         cloud.save(out)
         if preview is not None:
-            scanner_sim.preview(shape, preview, config, seed)
+            scanner_sim.write_contact_sheet(shape, preview, config, seed)
         if range_images is not None:
             scanner_sim.write_range_images(whole, range_images)
     kept = f", {len(cloud):,} kept" if len(cloud) < len(whole) else ""
-    note(
+    say(
         quiet,
         f"{len(whole):,} points{kept}; {100 * missing:.1f} % of the surface is missing; written to {out}",
     )

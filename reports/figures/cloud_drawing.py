@@ -1,4 +1,7 @@
-"""Pictures of clouds inside figures: placing renders, colours by position, landmarks."""
+"""Clouds inside figures: placing renders, colours by position and error, captions, landmarks."""
+
+from dataclasses import dataclass
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -7,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from reports.figures.point_renderer import Camera, render_points
-from reports.figures.style import ABSENT, INK, blank
+from reports.figures.style import ABSENT, INK, QUIET, blank
 
 ERROR_CAP = 25.0
 """Geodesic error x100 / sqrt(area) at which the error colours end."""
@@ -19,6 +22,26 @@ ERROR_COLORS = LinearSegmentedColormap.from_list(
     "error", ["#f1eef0", "#fdd49e", "#fc8d59", "#d7301f", "#67000d"]
 )
 """Pale where a map is right, dark red where it is wrong; lightness alone tells them apart."""
+
+
+LETTER = 0.085
+"""Width of a letter of a head, inches."""
+
+
+@dataclass(frozen=True)
+class DrawnCloud:
+    """A cloud to be drawn.
+
+    Attributes
+    ----------
+    points, normals : (n, 3) float64
+    caption : str
+        Small print over the picture.
+    """
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    caption: str
 
 
 def position_colors(positions: ArrayLike, low: ArrayLike, high: ArrayLike) -> NDArray[np.float64]:
@@ -111,3 +134,18 @@ def mark_landmarks(
         axes.text(
             column, row, str(number), ha="center", va="center_baseline", fontsize=6, color=INK, alpha=strength
         )
+
+
+def caption(axes: Axes, title: str, note: str) -> None:
+    """Head, in two lines if it is long, and a line of small print over a picture."""
+    inches = axes.get_window_extent().width / axes.figure.dpi
+    letters = max(int(inches / LETTER), 12)
+    axes.set_title("\n".join(wrap(title, letters, max_lines=2, placeholder=" …")), pad=15)
+    note = _shortened(note, max(int(1.8 * letters), 28))
+    axes.text(0, 1.015, note, transform=axes.transAxes, fontsize=7.5, color=QUIET, va="bottom")
+
+
+def _shortened(text: str, letters: int) -> str:
+    """Without its middle, if it is too long: the ends of file names tell them apart."""
+    half = (letters - 1) // 2
+    return text if len(text) <= letters else f"{text[:half]}…{text[-half:]}"

@@ -8,9 +8,15 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.cloud_drawing import carried_colors, mark_landmarks, place_cloud, position_colors
-from reports.figures.correspondence import Cloud, caption
-from reports.figures.point_renderer import best_azimuth, frame, look_from
+from reports.figures.cloud_drawing import (
+    DrawnCloud,
+    caption,
+    carried_colors,
+    mark_landmarks,
+    place_cloud,
+    position_colors,
+)
+from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
 from reports.figures.style import blank, new_figure, styled
 
 CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#f1eef0", "#b8d3e6", "#4292c6", "#08306b"])
@@ -19,8 +25,8 @@ CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#f1eef0", "#b8d3e
 
 @styled
 def dense_map(
-    source: Cloud,
-    target: Cloud,
+    source: DrawnCloud,
+    target: DrawnCloud,
     source_to_target: NDArray[np.integer],
     confidence: NDArray[np.float64],
     landmarks: NDArray[np.integer],
@@ -46,7 +52,8 @@ def dense_map(
     low, high = np.quantile(source.points, [0.01, 0.99], axis=0)
     colors = position_colors(source.points, low, high)
     arrived = carried_colors(source_to_target, colors, target.points)
-    cameras = frame([source.points, target.points], look_from(best_azimuth(source.points, up), up=up), height)
+    rotation = look_from(best_azimuth(source.points, up), up=up)
+    cameras = fitted_cameras([source.points, target.points], rotation, height)
     width = max(camera.width for camera in cameras)
     here, there = (replace(camera, width=width) for camera in cameras)
     figure, grid = new_figure(1, 3, 3 * max(3.0 * width / height, 1.6) + 0.6, 3.4)

@@ -1,4 +1,4 @@
-"""From stored maps to pictures: colours that travel along a map, errors of every point."""
+"""From the stored maps of a pair of scans to what `method_comparison` draws."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ from datasets_gen import Collection
 from evaluation.metrics.correspondence import SurfacePoints, correspondence_error
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.results.store import ResultsStore
-from reports.figures.cloud_drawing import ERROR_CAP, carried_colors, position_colors
-from reports.figures.correspondence import Cloud, Pair, Panel
+from reports.figures.cloud_drawing import ERROR_CAP, DrawnCloud, carried_colors, position_colors
+from reports.figures.method_comparison import MethodPanel, PairPicture
 from reports.figures.style import ABSENT
 from reports.method_order import order_methods
 from scanner_sim import Scan
@@ -26,7 +26,7 @@ COUNTERPART = 0.05
 
 
 @dataclass(frozen=True)
-class Side:
+class PlacedScan:
     """A scan and where its points lie on the rest pose, (n, 3)."""
 
     scan: Scan
@@ -39,7 +39,7 @@ class Side:
 
 
 class PairMaker:
-    """Makes `Pair`s out of a results store; keeps the distances of the data set used last."""
+    """Makes a `PairPicture` of stored maps; keeps the distances of the data set used last."""
 
     def __init__(self, store: ResultsStore) -> None:
         self.store = store
@@ -49,7 +49,7 @@ class PairMaker:
     def _measure(self, dataset: str) -> SurfaceDistance:
         return SurfaceDistance(self._collection(dataset).reference)
 
-    def make(self, rows: pd.DataFrame) -> Pair:
+    def make(self, rows: pd.DataFrame) -> PairPicture:
         """The picture of one pair of scans.
 
         Parameters
@@ -67,7 +67,7 @@ class PairMaker:
             self._panel(by_method[method], dataset, source, target, colors)
             for method in order_methods(by_method)
         )
-        return Pair(
+        return PairPicture(
             source=_cloud(first, "source", source),
             target=_cloud(first, "target", target),
             source_colors=colors,
@@ -76,11 +76,11 @@ class PairMaker:
             up="xyz".index(source.scan.config.up),
         )
 
-    def _side(self, collection: Collection, key: str) -> Side:
+    def _side(self, collection: Collection, key: str) -> PlacedScan:
         scan = self.store.scan(key)
-        return Side(scan, collection.reference.at(scan.face_ids, scan.barycentrics))
+        return PlacedScan(scan, collection.reference.at(scan.face_ids, scan.barycentrics))
 
-    def _source_colors(self, rows: pd.DataFrame, source: Side) -> NDArray[np.float64]:
+    def _source_colors(self, rows: pd.DataFrame, source: PlacedScan) -> NDArray[np.float64]:
         """Colours of the medial centres (Eq. 9) as in the paper; of the points if no method built them."""
         places = source.scan.points
         for key in rows["map_key"]:
@@ -93,20 +93,25 @@ class PairMaker:
         return position_colors(places, low, high)
 
     def _panel(
-        self, row: "pd.Series[Any]", dataset: str, source: Side, target: Side, colors: NDArray[np.float64]
-    ) -> Panel:
+        self,
+        row: "pd.Series[Any]",
+        dataset: str,
+        source: PlacedScan,
+        target: PlacedScan,
+        colors: NDArray[np.float64],
+    ) -> MethodPanel:
         found = self.store.matching(str(row["map_key"]))
         errors = self._errors(dataset, source, target, found.source_to_target)
-        return Panel(
+        return MethodPanel(
             title=str(row["method"]),
-            note=note(row),
+            note=error_note(row),
             target_colors=carried_colors(found.source_to_target, colors, target.scan.points),
             errors=100 * errors,
             landmarks=found.landmarks,
         )
 
     def _errors(
-        self, dataset: str, source: Side, target: Side, image: NDArray[np.integer]
+        self, dataset: str, source: PlacedScan, target: PlacedScan, image: NDArray[np.integer]
     ) -> NDArray[np.float64]:
         """Geodesic errors in sqrt(area), (n,); straight ones where those pass the end of the colours."""
         area = self._collection(dataset).reference.area
@@ -119,17 +124,17 @@ class PairMaker:
         return errors
 
 
-def note(row: "pd.Series[Any] | Mapping[str, Any]") -> str:
+def error_note(row: "pd.Series[Any] | Mapping[str, Any]") -> str:
     """A map's errors in a few words."""
     words = f"mean {row['geodesic_mean']:.1f}, median {row['geodesic_median']:.1f}"
     return f"{words}, flipped" if row.get("flipped") is True or row.get("flipped") == 1 else words
 
 
-def _cloud(row: "pd.Series[Any]", side: str, cloud: Side) -> Cloud:
+def _cloud(row: "pd.Series[Any]", side: str, cloud: PlacedScan) -> DrawnCloud:
     caption = (
         f"{row[f'{side}_pose']}, τ {row[f'{side}_threshold']:g}, {100 * row[f'{side}_missing']:.0f} % missing"
     )
-    return Cloud(cloud.scan.points, cloud.scan.normals, caption)
+    return DrawnCloud(cloud.scan.points, cloud.scan.normals, caption)
 
 
 def true_colors(

@@ -1,4 +1,4 @@
-"""Pictures of oriented point clouds: a small z-buffer renderer of surface discs.
+"""Renderer of oriented point clouds: every point is a disc in its tangent plane, with a z-buffer.
 
 Why not Mitsuba, which the scanner uses? Drawing 5,000 points as spheres takes it about 45 times as long,
 most of it to build meshes and their search tree (``pytest tests/benchmarks/test_render_perf.py
@@ -88,7 +88,7 @@ def best_azimuth(points: ArrayLike, up: int = 1, steps: int = 24) -> float:
     return float(azimuths[int(np.argmax(np.round(widths, 6)))]) - 25.0
 
 
-def frame(
+def fitted_cameras(
     clouds: list[NDArray[np.float64]],
     rotation: NDArray[np.float64],
     height: int,

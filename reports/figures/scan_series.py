@@ -1,4 +1,4 @@
-"""What the scanner leaves: clouds of one pose at rising peak thresholds."""
+"""Clouds side by side, such as the scans of one pose at rising peak thresholds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.figures.cloud_drawing import place_cloud
-from reports.figures.point_renderer import best_azimuth, frame, look_from
-from reports.figures.style import QUIET, blank, new_figure, styled
+from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
+from reports.figures.style import HEADROOM, QUIET, blank, new_figure, styled
 
 CLAY = "#9fb8d0"
 
@@ -26,7 +26,9 @@ class ScanView:
 
 
 @styled
-def scans(rows: Sequence[tuple[str, Sequence[ScanView]]], up: int = 1, height: int = 360) -> Figure:
+def scan_series(
+    rows: Sequence[tuple[str, Sequence[ScanView]]], up: int = 1, height: int = 360, inches: float = 2.3
+) -> Figure:
     """Clouds side by side, one row per pose; what is seen through a hole is grey.
 
     Parameters
@@ -37,17 +39,18 @@ def scans(rows: Sequence[tuple[str, Sequence[ScanView]]], up: int = 1, height: i
         Axis that points upwards.
     height
         Pixels of the tallest cloud.
+    inches
+        Height of a cloud on paper.
     """
     clouds = [view.points for _, views in rows for view in views]
     rotation = look_from(best_azimuth(clouds[0], up), up=up)
-    framed = frame(clouds, rotation, height)
+    framed = fitted_cameras(clouds, rotation, height)
     width = max(camera.width for camera in framed)
     cameras = (replace(camera, width=width) for camera in framed)
     columns = max(len(views) for _, views in rows)
     shown = [[(view, next(cameras)) for view in views] for _, views in rows]
-    tall = 2.3
-    wide = max(tall * width / height, 1.1)
-    figure, grid = new_figure(len(rows), columns, wide * columns, (tall + 0.35) * len(rows))
+    wide = max(inches * width / height, 1.1)
+    figure, grid = new_figure(len(rows), columns, wide * columns, (inches + 0.35) * len(rows), HEADROOM)
     for axes, row, (name, _) in zip(grid, shown, rows, strict=True):
         for each in axes:
             blank(each)

@@ -1,5 +1,6 @@
 """One look for all figures: colours that everyone can tell apart, few lines, units on every axis."""
 
+import io
 import itertools
 import os
 from collections import Counter
@@ -19,6 +20,11 @@ from datasets_gen.records import atomic_path
 from reports.method_order import METHODS, known_method, order_methods
 
 P = ParamSpec("P")
+
+HEADROOM = 0.16
+"""Inches above the heads of pictures, for which the layout leaves no room: captions, second lines."""
+DPI = 160
+NOTEBOOK_DPI = 110
 
 INK = "#24292f"
 QUIET = "#6e7781"
@@ -74,12 +80,23 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
     return wrapper
 
 
+class NotebookFigure(Figure):
+    """A figure that a notebook shows without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture that a notebook shows."""
+        stream = io.BytesIO()
+        with mpl.rc_context(_SETTINGS):
+            self.savefig(stream, format="png", dpi=NOTEBOOK_DPI)
+        return stream.getvalue()
+
+
 def new_figure(
     rows: int, columns: int, width: float, height: float, headroom: float = 0.0, **options: Any
 ) -> tuple[Figure, np.ndarray]:
     """Figure and its (rows, columns) axes; sizes in inches. Call it from a `styled` function."""
     layout = ConstrainedLayoutEngine(rect=(0, 0, 1, 1 - headroom / height))
-    figure = Figure(figsize=(width, height), layout=layout)
+    figure = NotebookFigure(figsize=(width, height), dpi=DPI, layout=layout)
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
@@ -95,7 +112,7 @@ def save(
     folder: str | os.PathLike[str],
     name: str,
     formats: Sequence[str] = (".png", ".pdf"),
-    dpi: int = 160,
+    dpi: int = DPI,
 ) -> list[Path]:
     """Write a figure into a folder, a file per format; return their paths.
 

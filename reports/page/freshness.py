@@ -1,17 +1,16 @@
 """Whether a report is what would be drawn again: then a repeated run need not draw it."""
 
 import json
-from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
-from datasets_gen.fingerprints import digest, digest_files
+from datasets_gen.fingerprints import code_fingerprint, digest, digest_files
 from evaluation.results.store import ResultsStore, write_json
 
 PAIRS = 24
 """Pairs drawn by default; a sweep may have thousands."""
 RECORD = "made.json"
-LIBRARIES = ("matplotlib", "pandas", "jinja2", "mitsuba")
+TEMPLATES = ("*.j2", "*.css", "*.js")
+"""Files of this folder that a report is made of besides code."""
 
 
 def note_made(store: ResultsStore, folder: Path, pairs: int | None) -> None:
@@ -32,14 +31,8 @@ def is_made(store: ResultsStore, folder: Path, pairs: int | None) -> bool:
 
 
 def _state(store: ResultsStore, pairs: int | None) -> str:
-    """Hash of the results, of the code that draws, and of how many pairs are drawn."""
+    """Hash of the results, of the code and templates that draw, and of how many pairs are drawn."""
     results = (store.folder / name for name in ("run.json", "table.parquet"))
-    return digest([_code(), pairs, digest_files(*(file for file in results if file.is_file()))])
-
-
-@cache
-def _code() -> str:
-    root = Path(__file__).parents[2]
-    files = (file for package in ("reports", "evaluation") for file in (root / package).rglob("*"))
-    source = digest_files(*(file for file in files if file.is_file() and file.suffix != ".pyc"))
-    return digest([{name: version(name) for name in LIBRARIES}, source])
+    templates = (file for pattern in TEMPLATES for file in Path(__file__).parent.glob(pattern))
+    files = digest_files(*templates), digest_files(*(file for file in results if file.is_file()))
+    return digest([code_fingerprint("reports.page.report"), files, pairs])

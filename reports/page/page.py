@@ -1,4 +1,4 @@
-"""From what a report has found to its page."""
+"""From tables and pictures to the HTML page."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,19 +9,19 @@ import pandas as pd
 
 from reports.figures.style import method_colors
 from reports.method_order import order_methods
-from reports.tables.leaderboard import (
+from reports.tables.columns import (
     GROUP,
     LEADERBOARD,
     STABILITY,
     STABILITY_GROUP,
     Column,
     best_cells,
-    text,
-    used,
+    cell_text,
+    filled_columns,
 )
 
 if TYPE_CHECKING:
-    from reports.page.pictures import Picture
+    from reports.page.pictures import PagePicture
 
 SECTIONS = ("missing", "pck", "stability", "pairs", "scans")
 """Where pictures may be on the page."""
@@ -51,12 +51,12 @@ class PageData:
     leaderboard: pd.DataFrame
     stability: pd.DataFrame
     failures: pd.DataFrame
-    pictures: "dict[str, list[Picture]]" = field(default_factory=dict)
+    pictures: "dict[str, list[PagePicture]]" = field(default_factory=dict)
     pairs_left_out: int = 0
 
 
 @dataclass(frozen=True)
-class Cell:
+class TableCell:
     """A cell: its text, whether it is a number and the best of its group, and a bar in [0, 1] or None."""
 
     text: str
@@ -66,12 +66,12 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Block:
+class TableBlock:
     """Rows of a table under one head, such as a regime, and what holds for all of them."""
 
     head: str
     about: str
-    rows: list[list[Cell]]
+    rows: list[list[TableCell]]
 
 
 def render_page(data: PageData) -> str:
@@ -93,9 +93,9 @@ def render_page(data: PageData) -> str:
         overall=overall(data.table, beyond),
         colors=method_colors(data.leaderboard["method"]) if len(data.leaderboard) else {},
         board=blocks(data.leaderboard, BOARD, GROUP, "geodesic_mean", "regime"),
-        board_columns=used(BOARD, data.leaderboard)[len(GROUP) :],
+        board_columns=filled_columns(BOARD, data.leaderboard)[len(GROUP) :],
         stable=blocks(data.stability, STABILITY, STABILITY_GROUP, "eq18", ""),
-        stable_columns=used(STABILITY, data.stability)[1:] if len(data.stability) else [],
+        stable_columns=filled_columns(STABILITY, data.stability)[1:] if len(data.stability) else [],
         pictures={name: data.pictures.get(name, []) for name in SECTIONS},
         groups=list(dict.fromkeys(p.group for p in data.pictures.get("pairs", []))),
         left_out=data.pairs_left_out,
@@ -172,20 +172,20 @@ def facts(data: PageData) -> Iterator[tuple[str, str]]:
 
 def blocks(
     table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str], bar: str, second: str
-) -> dict[str, list[Block]]:
+) -> dict[str, list[TableBlock]]:
     """Rows by data set, then by the column `second` if given; the head columns are left out of the rows."""
     if table.empty:
         return {}
-    shown = used(columns, table)
+    shown = filled_columns(columns, table)
     best = best_cells(table, shown, group)
     longest = table.groupby("dataset")[bar].max() if bar in table else {}
-    found: dict[str, list[Block]] = {}
+    found: dict[str, list[TableBlock]] = {}
     keys = ["dataset", second] if second else ["dataset"]
     for key, rows in table.groupby(keys, sort=False, dropna=False):
         cells = [
             [
-                Cell(
-                    text(row[c.name], c),
+                TableCell(
+                    cell_text(row[c.name], c),
                     c.digits is not None,
                     (i, c.name) in best,
                     _share(row[c.name], longest[row["dataset"]]) if c.name == bar else None,
@@ -196,7 +196,7 @@ def blocks(
             for i, row in rows.iterrows()
         ]
         head, about = (str(key[1]), _common(rows)) if second else ("", "")
-        found.setdefault(str(key[0]), []).append(Block(head, about, cells))
+        found.setdefault(str(key[0]), []).append(TableBlock(head, about, cells))
     return found
 
 
@@ -223,9 +223,9 @@ def flat(info: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]
 
 
 def _toml_like(settings: Mapping[str, Any]) -> str:
-    from evaluation.experiment.toml import dumps
+    from evaluation.experiment.toml_tables import to_toml
 
-    return dumps(settings)
+    return to_toml(settings)
 
 
 def _share(value: Any, longest: Any) -> float:

@@ -1,4 +1,4 @@
-"""Which figures a report has: one job each, made from the results table alone; drawn when called."""
+"""The figures of a report: which there are, by the results table, and drawing them."""
 
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 
 from evaluation.metrics.correspondence import CURVE
 from evaluation.results.store import ResultsStore
-from reports.figures.accuracy import error_against_missing, pck
-from reports.figures.correspondence import correspondence
-from reports.figures.diffusion_error import stability
+from reports.figures.diffusion_error_curves import diffusion_error_curves
+from reports.figures.error_against_missing import error_against_missing
+from reports.figures.method_comparison import method_comparison
 from reports.figures.pair_pictures import PairMaker
-from reports.figures.scan_series import ScanView, scans
+from reports.figures.pck_curves import pck_curves
+from reports.figures.scan_series import ScanView, scan_series
 from reports.figures.style import save
 
 FEW = 8
@@ -28,7 +29,7 @@ POSES, THRESHOLDS = 3, 6
 
 
 @dataclass(frozen=True)
-class Picture:
+class PagePicture:
     """A figure on the page.
 
     Attributes
@@ -50,12 +51,12 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Job:
+class FigureJob:
     """A figure to be drawn: the section it belongs to, what it shows, and the call that draws it."""
 
     section: str
     label: str
-    draw: Callable[[], Picture]
+    draw: Callable[[], PagePicture]
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,9 @@ class Drawing:
     pairs: int | None
 
 
-def drawn(todo: Sequence[Job], drawing: Drawing, processes: int) -> Iterator[tuple[Job, Picture]]:
+def drawn(
+    todo: Sequence[FigureJob], drawing: Drawing, processes: int
+) -> Iterator[tuple[FigureJob, PagePicture]]:
     """Draw figures, in the order of the jobs, with several processes where that pays."""
     if processes < 2 or len(todo) < FEW:
         yield from ((job, job.draw()) for job in todo)
@@ -81,21 +84,21 @@ def drawn(todo: Sequence[Job], drawing: Drawing, processes: int) -> Iterator[tup
             raise
 
 
-_todo: list[Job] = []  # of a drawing process
+_todo: list[FigureJob] = []  # of a drawing process
 
 
 def _prepare(drawing: Drawing) -> None:
-    from reports.tables.leaderboard import plain
+    from reports.tables.leaderboard import with_numpy_types
 
     store = ResultsStore(drawing.results)
-    _todo[:] = figure_jobs(store, plain(store.table()), drawing.folder, drawing.pairs)
+    _todo[:] = figure_jobs(store, with_numpy_types(store.table()), drawing.folder, drawing.pairs)
 
 
-def _draw(number: int) -> Picture:
+def _draw(number: int) -> PagePicture:
     return _todo[number].draw()
 
 
-def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: int | None) -> list[Job]:
+def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: int | None) -> list[FigureJob]:
     """Figures of a report, in the order of the page.
 
     Parameters
@@ -110,20 +113,24 @@ def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: i
     stable, maps = table[table["kind"] == "stability"], table[table["kind"] == "matching"]
     found = []
     if not maps.empty:
-        found.append(Job("missing", "error against missing surface", partial(_missing, maps, folder)))
+        found.append(FigureJob("missing", "error against missing surface", partial(_missing, maps, folder)))
         for dataset, rows in maps.groupby("dataset", sort=False):
-            found.append(Job("pck", f"PCK of {dataset}", partial(_pck, store, str(dataset), rows, folder)))
+            found.append(
+                FigureJob("pck", f"PCK of {dataset}", partial(_pck, store, str(dataset), rows, folder))
+            )
     for dataset, rows in stable[stable["source_threshold"].notna()].groupby("dataset", sort=False):
         found.append(
-            Job("stability", f"Eq. 18 of {dataset}", partial(_stability, str(dataset), rows, folder))
+            FigureJob("stability", f"Eq. 18 of {dataset}", partial(_stability, str(dataset), rows, folder))
         )
     for dataset, views in scan_views(table).groupby("dataset", sort=False):
-        found.append(Job("scans", f"scans of {dataset}", partial(_scans, store, str(dataset), views, folder)))
+        found.append(
+            FigureJob("scans", f"scans of {dataset}", partial(_scans, store, str(dataset), views, folder))
+        )
     maker = PairMaker(store)
     for number, rows in enumerate(chosen_pairs(maps, pairs), start=1):
         first = rows.iloc[0]
         label = f"{first['dataset']}: {first['source_pose']} to {first['target_pose']}"
-        found.append(Job("pairs", label, partial(_pair, maker, rows, f"pair-{number:03d}", folder)))
+        found.append(FigureJob("pairs", label, partial(_pair, maker, rows, f"pair-{number:03d}", folder)))
     return found
 
 
@@ -164,7 +171,7 @@ def scan_views(table: pd.DataFrame) -> pd.DataFrame:
     return scans.drop_duplicates(["dataset", "pose", "threshold"])
 
 
-def spread(values: list[float], count: int) -> list[float]:
+def evenly_picked(values: list[float], count: int) -> list[float]:
     """At most `count` of the sorted values, evenly spread, with the first and the last."""
     ordered = sorted(values)
     if len(ordered) <= count:
@@ -172,29 +179,30 @@ def spread(values: list[float], count: int) -> list[float]:
     return [ordered[round(i)] for i in np.linspace(0, len(ordered) - 1, count)]
 
 
-def _missing(maps: pd.DataFrame, folder: Path) -> Picture:
+def _missing(maps: pd.DataFrame, folder: Path) -> PagePicture:
     about = "One dot per map; lines join the medians of groups of equal size."
     return _saved(
         error_against_missing(maps), folder, "error-missing", "Error against missing surface", about
     )
 
 
-def _pck(store: ResultsStore, dataset: str, maps: pd.DataFrame, folder: Path) -> Picture:
+def _pck(store: ResultsStore, dataset: str, maps: pd.DataFrame, folder: Path) -> PagePicture:
     curves: dict[str, dict[str, np.ndarray]] = {}
     for (regime, method), rows in maps.groupby(["regime", "method"], sort=False):
         stack = [store.score(str(key))["curve"] for key in rows["score_key"]]
         curves.setdefault(str(regime), {})[str(method)] = np.mean(stack, axis=0)
     about = "Share of points whose match lies within a radius, mean over maps."
-    return _saved(pck(curves, 100 * CURVE), folder, f"pck-{_file_name(dataset)}", f"PCK, {dataset}", about)
+    figure = pck_curves(curves, 100 * CURVE)
+    return _saved(figure, folder, f"pck-{_file_name(dataset)}", f"PCK, {dataset}", about)
 
 
-def _stability(dataset: str, rows: pd.DataFrame, folder: Path) -> Picture:
+def _stability(dataset: str, rows: pd.DataFrame, folder: Path) -> PagePicture:
     about = "A line per pose; dashed and on the right axis, the missing surface."
-    return _saved(stability(rows), folder, f"stability-{_file_name(dataset)}", dataset, about)
+    return _saved(diffusion_error_curves(rows), folder, f"stability-{_file_name(dataset)}", dataset, about)
 
 
-def _scans(store: ResultsStore, dataset: str, views: pd.DataFrame, folder: Path) -> Picture:
-    thresholds = spread(list(views["threshold"].unique()), THRESHOLDS)
+def _scans(store: ResultsStore, dataset: str, views: pd.DataFrame, folder: Path) -> PagePicture:
+    thresholds = evenly_picked(list(views["threshold"].unique()), THRESHOLDS)
     counts = views[views["threshold"].isin(thresholds)].groupby("pose", sort=False).size()
     poses = list(counts[counts == counts.max()].index[:POSES])
     rows, up = [], 1
@@ -208,21 +216,21 @@ def _scans(store: ResultsStore, dataset: str, views: pd.DataFrame, folder: Path)
                 row.append(ScanView(scan.points, scan.normals, f"τ = {threshold:g}", about))
         rows.append((str(pose), row))
     what = f"{views['views'].iloc[0]} views; what shows through a hole is the inside, in grey."
-    return _saved(scans(rows, up), folder, f"scans-{_file_name(dataset)}", dataset, what)
+    return _saved(scan_series(rows, up), folder, f"scans-{_file_name(dataset)}", dataset, what)
 
 
-def _pair(maker: PairMaker, rows: pd.DataFrame, name: str, folder: Path) -> Picture:
+def _pair(maker: PairMaker, rows: pd.DataFrame, name: str, folder: Path) -> PagePicture:
     first = rows.iloc[0]
-    figure = correspondence(maker.make(rows))
+    figure = method_comparison(maker.make(rows))
     title = f"{first['dataset']}: {first['source_pose']} → {first['target_pose']}"
     seed = f", seed {first['seed']}" if int(first["seed"]) else ""
     group = f"{first['dataset']}, {first['regime']}"
     return _saved(figure, folder, name, title, f"{first['regime']}{seed}.", group)
 
 
-def _saved(figure: Figure, folder: Path, name: str, title: str, caption: str, group: str = "") -> Picture:
+def _saved(figure: Figure, folder: Path, name: str, title: str, caption: str, group: str = "") -> PagePicture:
     save(figure, folder, name)
-    return Picture(name, title, caption, float(figure.get_figwidth()), group)
+    return PagePicture(name, title, caption, float(figure.get_figwidth()), group)
 
 
 def _file_name(text: str) -> str:

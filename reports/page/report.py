@@ -9,7 +9,9 @@ from evaluation.results.store import ResultsStore
 from reports.page.freshness import PAIRS, note_made
 from reports.page.page import PageData, render_page
 from reports.page.pictures import Drawing, drawn, figure_jobs, pair_groups
-from reports.tables import leaderboard as tables
+from reports.tables.columns import GROUP, LEADERBOARD, STABILITY, STABILITY_GROUP
+from reports.tables.formats import write_table
+from reports.tables.leaderboard import ceilings, leaderboard, stability_table, with_numpy_types
 
 Progress = Callable[[str, int, int], None]
 
@@ -49,14 +51,14 @@ def build(
         If the folder holds no results, or `out` cannot be written.
     """
     store = ResultsStore(results_folder)
-    table = tables.plain(store.table())
+    table = with_numpy_types(store.table())
     folder = Path(out) if out is not None else Path(results_folder) / "report"
     data = PageData(
         info=store.run_info(),
         settings=store.settings,
         table=table,
-        leaderboard=tables.leaderboard(table, tables.ceilings(store.settings)),
-        stability=tables.stability(table),
+        leaderboard=leaderboard(table, ceilings(store.settings)),
+        stability=stability_table(table),
         failures=store.failures(),
     )
     _write_tables(data, folder / "tables")
@@ -77,10 +79,10 @@ def build(
 
 def _write_tables(data: PageData, folder: Path) -> None:
     for name, table, columns, group in (
-        ("correspondence", data.leaderboard, tables.LEADERBOARD, tables.GROUP),
-        ("stability", data.stability, tables.STABILITY, tables.STABILITY_GROUP),
+        ("correspondence", data.leaderboard, LEADERBOARD, GROUP),
+        ("stability", data.stability, STABILITY, STABILITY_GROUP),
     ):
         if not table.empty:
-            tables.write(table, columns, group, folder, name)
+            write_table(table, columns, group, folder, name)
     with atomic_path(folder / "scores.csv") as temporary:
         data.table.to_csv(temporary, index=False)

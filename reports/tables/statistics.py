@@ -19,7 +19,7 @@ def paired_tests(table: pd.DataFrame, measure: str = "geodesic_mean") -> pd.Data
     Parameters
     ----------
     table
-        Of `reports.tables.leaderboard.plain`.
+        Of `reports.tables.leaderboard.with_numpy_types`.
     measure
         Column to compare; lower is better.
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from reports.tables.leaderboard import GROUP, LEADERBOARD, Column, best_cells, text, used
+from reports.tables.columns import GROUP, LEADERBOARD, Column, best_cells, cell_text, filled_columns
 
 NARROW = ("method", "missing", "geodesic_mean", "geodesic_median", "flip_rate", "pck_auc", "eq18")
 """Columns that fit a terminal of 80 characters."""
@@ -34,7 +34,7 @@ def leaderboard_lines(board: pd.DataFrame, width: int) -> Iterator[str]:
     width
         Characters per line.
     """
-    columns = [c for c in used(LEADERBOARD, board) if c.name in (WIDE if width >= ROOM else NARROW)]
+    columns = [c for c in filled_columns(LEADERBOARD, board) if c.name in (WIDE if width >= ROOM else NARROW)]
     heads = [f"{row['dataset']}, {row['regime']}" for _, row in board.iterrows()]
     yield from _lines(board, columns, heads, best_cells(board, columns, GROUP))
     yield "[dim]errors × 100 / √area of the rest pose; bold: the best of a group[/]"
@@ -51,7 +51,7 @@ def _lines(
 ) -> Iterator[str]:
     """Heads in two lines, then rows; a line of its own wherever the head of a group changes."""
     titles = [_split(column.title) for column in columns]
-    cells = [[text(row[c.name], c) for c in columns] for _, row in table.iterrows()]
+    cells = [[cell_text(row[c.name], c) for c in columns] for _, row in table.iterrows()]
     widths = [
         max(len(word) for word in (*title, *(row[i] for row in cells))) for i, title in enumerate(titles)
     ]

@@ -1,1 +1,9 @@
-"""Camera, viewpoints, laser stripe, sensor, peak fit and triangulation."""
+"""The scanner's physics without Mitsuba: from the rays that hit the object to measured points.
+
+In the order of the light: `viewpoints` and `camera` (where the eyes stand, which ray belongs to a pixel),
+`hits` (what tracing hands over), `stripe` (how much of each laser stripe falls on a point), `sensor` (noise
+and quantisation), `peak` (Gaussian fits over time), `triangulation`, and `measurement`, which puts them
+together.
+
+Every formula decides results: scans change to the last bit with it.
+"""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scanner_sim.config import ScannerConfig
+from scanner_sim.scanner_config import ScannerConfig
 
 Window = tuple[int, int, int, int]
 """Part of the image: first column and row, columns and rows."""
@@ -14,7 +14,19 @@ ITERATIONS = 30
 
 
 def camera_rays(pixels: NDArray[np.integer], config: ScannerConfig) -> NDArray[np.float64]:
-    """Directions through pixel centres in camera coordinates, with depth 1, (n, 3)."""
+    """Directions through pixel centres.
+
+    Parameters
+    ----------
+    pixels : (n, 2)
+        Column and row.
+    config
+
+    Returns
+    -------
+    (n, 3) float64
+        In camera coordinates, with depth 1.
+    """
     width, height = config.resolution
     x = (pixels[:, 0] + 0.5 - width / 2) / config.focal
     y = (pixels[:, 1] + 0.5 - height / 2) / config.focal

@@ -1,4 +1,4 @@
-"""What the scanner makes of one view: intensities, peaks, points, and a verdict on every pixel."""
+"""One view measured: intensities over time, fitted peaks, triangulated points, a verdict on every pixel."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,15 +7,17 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from scanner_sim.config import ScannerConfig
 from scanner_sim.optics import peak, sensor, stripe
-from scanner_sim.tracing.rays import Hits, camera_rays
+from scanner_sim.optics.camera import camera_rays
+from scanner_sim.optics.hits import Hits
+from scanner_sim.optics.triangulation import triangulate
+from scanner_sim.scanner_config import ScannerConfig
 
 SATURATED_SAMPLES = 3
 """A pixel whose peak is rejected counts as saturated if this many of its samples are."""
 
-
-Indirect = Callable[[NDArray[np.int32], stripe.Swept], NDArray[np.float64]]
+Indirect = Callable[[NDArray[np.int32], stripe.SweptStripes], NDArray[np.float64]]
+"""Light by more than one reflection, (m, w), of pixels (m, 2) under the stripes of their rows."""
 
 
 class Verdict(IntEnum):
@@ -39,7 +41,7 @@ class Verdict(IntEnum):
 
 
 @dataclass(frozen=True)
-class Measured:
+class ViewMeasurement:
     """The m lit pixels of a view.
 
     Attributes
@@ -67,7 +69,7 @@ def measure(
     config: ScannerConfig,
     rng: np.random.Generator,
     indirect: Indirect | None = None,
-) -> Measured:
+) -> ViewMeasurement:
     """Fit the peak of every lit pixel of a view and triangulate it.
 
     Parameters
@@ -78,29 +80,55 @@ def measure(
         Source of the sensor's noise.
     indirect
         Gives light that arrives by more than one reflection, for pixels and their stripes.
+
+    Returns
+    -------
+    ViewMeasurement
+        Of the hits that the laser reaches.
     """
     index = np.flatnonzero(hits.radiance > 0)
-    where = stripe.sheet(hits.points[index], config.baseline)
-    first, values = intensities(hits, index, where, config, rng, indirect)
-    return _fitted(hits, index, where, first, values, config)
+    laser = stripe.laser_coordinates(hits.points[index], config.baseline)
+    first, values = intensities(hits, index, laser, config, rng, indirect)
+    return _fitted(hits, index, laser, first, values, config)
 
 
 def intensities(
     hits: Hits,
     index: NDArray[np.int64],
-    where: stripe.Sheet,
+    laser: stripe.LaserCoordinates,
     config: ScannerConfig,
     rng: np.random.Generator,
     indirect: Indirect | None = None,
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Camera intensities over time of the lit pixels: first stripe (m,) and values (m, w)."""
-    amplitude = hits.radiance[index] * stripe.falloff(where, config)
+    """Camera intensities over time of the lit pixels.
+
+    Parameters
+    ----------
+    hits
+    index : (m,)
+        The lit ones among the hits.
+    laser
+        Their laser coordinates.
+    config
+    rng
+        Source of the sensor's noise.
+    indirect
+        As for `measure`.
+
+    Returns
+    -------
+    first : (m,) int64
+        Number of the first stripe of each row.
+    values : (m, w) float64
+        Stored intensities under it and the stripes that follow.
+    """
+    amplitude = hits.radiance[index] * stripe.falloff(laser, config)
     pixels = hits.pixels[index]
     margin = 3 * config.smoothing / config.focal + (config.wedge / 2 if indirect else 0)
-    swept = stripe.sweep(where, config, margin)
+    swept = stripe.swept_stripes(laser, config, margin)
     light = swept.values * amplitude[:, None]
     if config.smoothing > 0:
-        light = blurred(pixels, amplitude, where, swept, config)
+        light = blurred(pixels, amplitude, laser, swept, config)
     if indirect is not None:
         light = light + indirect(pixels, swept)
     return swept.first, sensor.expose(light, swept.values, config, rng)
@@ -109,8 +137,8 @@ def intensities(
 def blurred(
     pixels: NDArray[np.int32],
     amplitude: NDArray[np.float64],
-    where: stripe.Sheet,
-    swept: stripe.Swept,
+    laser: stripe.LaserCoordinates,
+    swept: stripe.SweptStripes,
     config: ScannerConfig,
 ) -> NDArray[np.float64]:
     """Light of every stripe near each pixel after each stripe's image was blurred, (m, w).
@@ -129,7 +157,7 @@ def blurred(
             other = place[pixels[:, 1] + dy, pixels[:, 0] + dx]
             here = np.flatnonzero(other >= 0)
             q = other[here]
-            source = stripe.Sheet(where.angle[q], where.axis[q], where.distance[q])
+            source = stripe.LaserCoordinates(laser.angle[q], laser.axis_distance[q], laser.distance[q])
             offset, inside = stripe.offsets(swept.first[here], total.shape[1], source.angle, config)
             cast = np.where(inside, stripe.light(offset, source, config), 0)
             total[here] += weights[dy] * weights[dx] * amplitude[q, None] * cast
@@ -139,11 +167,11 @@ def blurred(
 def _fitted(
     hits: Hits,
     index: NDArray[np.int64],
-    where: stripe.Sheet,
+    laser: stripe.LaserCoordinates,
     first: NDArray[np.int64],
     values: NDArray[np.float64],
     config: ScannerConfig,
-) -> Measured:
+) -> ViewMeasurement:
     """Peaks, points and verdicts of intensities over time."""
     peaks = peak.fit(values, config.fit)
     angle = config.sweep[0] + (first + peaks.position + 0.5) * config.step
@@ -151,7 +179,7 @@ def _fitted(
     points = triangulate(camera_rays(hits.pixels[index], config), angle, config.baseline)
     truth = hits.points[index]
     fitting = (peaks.residual <= config.residual_threshold) & (points[:, 2] > 0)
-    fitting &= width <= config.std_threshold * stripe.cast_width(where, config)
+    fitting &= width <= config.std_threshold * stripe.cast_width(laser, config)
     if config.depth_threshold is not None:
         fitting &= np.linalg.norm(points - truth, axis=1) <= config.depth_threshold
     faint = np.isnan(peaks.peak) & (values.max(axis=1, initial=0) < config.peak_threshold)
@@ -162,33 +190,10 @@ def _fitted(
     verdict[(truth[:, 2] < config.min_range - 1e-6) | (truth[:, 2] > config.max_range + 1e-6)] = (
         Verdict.OUT_OF_RANGE
     )
-    return Measured(index, points, peaks.peak, angle, width, verdict)
+    return ViewMeasurement(index, points, peaks.peak, angle, width, verdict)
 
 
-def triangulate(
-    rays: NDArray[np.float64], angle: NDArray[np.float64], baseline: float
-) -> NDArray[np.float64]:
-    """Meet camera rays with laser planes.
-
-    Parameters
-    ----------
-    rays : (n, 3)
-        Directions from the camera with depth 1.
-    angle : (n,)
-        Sheet angles, radians: 0 along the viewing direction, positive to the right.
-    baseline
-        Of the laser along camera x.
-
-    Returns
-    -------
-    (n, 3) float64
-        Points in camera coordinates.
-    """
-    slope = np.tan(angle)  # the plane x = baseline + slope z
-    return rays * (baseline / (rays[:, 0] - slope))[:, None]
-
-
-def verdicts(hits: Hits, measured: Measured, config: ScannerConfig) -> NDArray[np.int8]:
+def verdicts(hits: Hits, measured: ViewMeasurement, config: ScannerConfig) -> NDArray[np.int8]:
     """Verdict on every hit of a view, (n,).
 
     Parameters

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from scanner_sim.config import ScannerConfig
+from scanner_sim.scanner_config import ScannerConfig
 
 Values = NDArray[np.float64]
 

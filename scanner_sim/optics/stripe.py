@@ -6,36 +6,44 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scanner_sim.config import ScannerConfig
+from scanner_sim.scanner_config import ScannerConfig
 
 BEAM_CUT = 2.15
 """Gaussian beams are cut at this many 1/e^2 radii, where they carry 1e-4 of their peak."""
 
 
 @dataclass(frozen=True)
-class Sheet:
+class LaserCoordinates:
     """Surface points in the laser's coordinates.
 
     Attributes
     ----------
     angle : (n,) float64
         phi: sheet angle that meets the point, radians.
-    axis : (n,) float64
+    axis_distance : (n,) float64
         rho: distance from the axis about which the sheet turns, mm.
     distance : (n,) float64
         r: distance from the laser, mm.
     """
 
     angle: NDArray[np.float64]
-    axis: NDArray[np.float64]
+    axis_distance: NDArray[np.float64]
     distance: NDArray[np.float64]
 
 
-def sheet(points: NDArray[np.float64], baseline: float) -> Sheet:
-    """Laser coordinates of points (n, 3) in camera coordinates, mm."""
+def laser_coordinates(points: NDArray[np.float64], baseline: float) -> LaserCoordinates:
+    """Laser coordinates of points.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        In camera coordinates, mm.
+    baseline
+        Distance of the laser from the camera, to the right, mm.
+    """
     x, y, z = points[:, 0] - baseline, points[:, 1], points[:, 2]
     axis = np.hypot(x, z)
-    return Sheet(np.arctan2(x, z), axis, np.hypot(axis, y))
+    return LaserCoordinates(np.arctan2(x, z), axis, np.hypot(axis, y))
 
 
 def wedge(
@@ -53,6 +61,11 @@ def wedge(
         rho / r, broadcast against `offset`.
     angle
         Full angle F, radians.
+
+    Returns
+    -------
+    float64, of the shape of `offset`
+        In [0, 1].
     """
     inside = np.abs(offset) <= angle / 2
     return np.where(inside, np.exp(-4 * (ratio * np.sin(offset) / math.tan(angle / 2)) ** 2), 0.0)
@@ -74,6 +87,11 @@ def gaussian(
         rho and the beam's 1/e^2 radius w there (`beam_radius`), mm; broadcast against `offset`.
     waist
         w0, mm.
+
+    Returns
+    -------
+    float64, of the shape of `offset`
+        At most 1, which it reaches in the waist.
     """
     across = axis * np.sin(offset) / radius
     return np.where(np.abs(across) <= BEAM_CUT, waist / radius * np.exp(-2 * across**2), 0.0)
@@ -85,46 +103,46 @@ def beam_radius(distance: NDArray[np.float64], config: ScannerConfig) -> NDArray
     return config.beam_waist * np.hypot(1, (distance - config.focus) / rayleigh)
 
 
-def light(offset: NDArray[np.float64], where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
+def light(offset: NDArray[np.float64], laser: LaserCoordinates, config: ScannerConfig) -> NDArray[np.float64]:
     """Relative radiance of stripes at points, without falloff.
 
     Parameters
     ----------
     offset : (n, w)
         theta - phi, radians.
-    where
-        n points.
+    laser
+        Laser coordinates of n points.
     config
     """
     if config.beam == "wedge":
-        return wedge(offset, (where.axis / where.distance)[:, None], config.wedge)
-    radius = beam_radius(where.distance, config)
-    return gaussian(offset, where.axis[:, None], radius[:, None], config.beam_waist)
+        return wedge(offset, (laser.axis_distance / laser.distance)[:, None], config.wedge)
+    radius = beam_radius(laser.distance, config)
+    return gaussian(offset, laser.axis_distance[:, None], radius[:, None], config.beam_waist)
 
 
-def half_angle(where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
+def half_angle(laser: LaserCoordinates, config: ScannerConfig) -> NDArray[np.float64]:
     """Largest theta - phi that lights each point, radians, (n,)."""
     if config.beam == "wedge":
-        return np.full(len(where.angle), config.wedge / 2)
-    return np.arcsin(np.minimum(BEAM_CUT * beam_radius(where.distance, config) / where.axis, 1))
+        return np.full(len(laser.angle), config.wedge / 2)
+    return np.arcsin(np.minimum(BEAM_CUT * beam_radius(laser.distance, config) / laser.axis_distance, 1))
 
 
-def cast_width(where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
+def cast_width(laser: LaserCoordinates, config: ScannerConfig) -> NDArray[np.float64]:
     """Width s of the peak ``exp(-(theta - phi)^2 / s^2)`` that the sheet casts, radians, (n,)."""
     if config.beam == "wedge":
-        return math.tan(config.wedge / 2) / 2 * where.distance / where.axis
-    return beam_radius(where.distance, config) / (math.sqrt(2) * where.axis)
+        return math.tan(config.wedge / 2) / 2 * laser.distance / laser.axis_distance
+    return beam_radius(laser.distance, config) / (math.sqrt(2) * laser.axis_distance)
 
 
-def falloff(where: Sheet, config: ScannerConfig) -> NDArray[np.float64]:
+def falloff(laser: LaserCoordinates, config: ScannerConfig) -> NDArray[np.float64]:
     """Irradiance relative to that at the nearest depth swept, in front of the camera, (n,)."""
     if config.falloff == "none":
-        return np.ones(len(where.distance))
-    return (config.nearest / where.distance) ** 2
+        return np.ones(len(laser.distance))
+    return (config.nearest / laser.distance) ** 2
 
 
 @dataclass(frozen=True)
-class Swept:
+class SweptStripes:
     """Stripes that may light each point.
 
     Attributes
@@ -139,23 +157,23 @@ class Swept:
     values: NDArray[np.float64]
 
 
-def sweep(where: Sheet, config: ScannerConfig, margin: float = 0.0) -> Swept:
+def swept_stripes(laser: LaserCoordinates, config: ScannerConfig, margin: float = 0.0) -> SweptStripes:
     """Relative radiance of every stripe near each point.
 
     Parameters
     ----------
-    where
-        n points.
+    laser
+        Laser coordinates of n points.
     config
     margin
         Angle by which the row of stripes is longer at both ends, radians.
     """
-    half = half_angle(where, config) + margin
+    half = half_angle(laser, config) + margin
     start, _ = config.sweep
-    first = np.ceil((where.angle - half - start) / config.step - 0.5).astype(np.int64)
+    first = np.ceil((laser.angle - half - start) / config.step - 0.5).astype(np.int64)
     span = int(np.ceil(2 * half.max(initial=0) / config.step)) + 1
-    offset, inside = offsets(first, span, where.angle, config)
-    return Swept(first, np.where(inside, light(offset, where, config), 0.0))
+    offset, inside = offsets(first, span, laser.angle, config)
+    return SweptStripes(first, np.where(inside, light(offset, laser, config), 0.0))
 
 
 def offsets(

@@ -1,7 +1,6 @@
 """Fixed sets of viewpoints and the camera poses on them."""
 
 import functools
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +8,8 @@ from scipy.optimize import minimize
 
 from datasets_gen.records import InputError
 
-if TYPE_CHECKING:
-    from scanner_sim.config import Views
+Views = int | str | tuple[tuple[float, float, float], ...]
+"""A count, the name of a set, or directions."""
 
 MOST_VIEWS = 1000
 MOST_RELAXED = 64
@@ -18,12 +17,12 @@ MOST_RELAXED = 64
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
-def check_views(views: "Views") -> None:
+def check_views(views: Views) -> None:
     """Raise InputError if `views` names no set of viewpoints."""
     directions(views)
 
 
-def directions(views: "Views", up: str = "y") -> NDArray[np.float64]:
+def directions(views: Views, up: str = "y") -> NDArray[np.float64]:
     """Unit directions from the object's centre to the viewpoints.
 
     Parameters

@@ -1,1 +1,9 @@
-"""Rays with Mitsuba: variants, scenes, materials, brute-force rendering."""
+"""Rays with Mitsuba.
+
+Start with `tracer`: what the camera of a view sees. It uses `rig_frame` (where the mesh stands), `scenes`
+(Mitsuba's scenes, rendered or asked ray by ray), `materials` and `surface_points` (exact hits and normals).
+`variant` finds a sound Mitsuba variant with the help of `probe`, in child processes. `brute_force` renders
+every stripe: slow, for validation and for light that bounces.
+
+`variant` and `probe` may be changed without harm to results; the rest decides them.
+"""

@@ -4,19 +4,17 @@ A projector at the laser turns with the sheet and shines its profile. Unlike the
 light that bounces between parts of the object (`ScannerConfig.bounces`).
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scanner_sim.config import ScannerConfig
 from scanner_sim.optics import stripe
 from scanner_sim.optics.camera import visible_window
+from scanner_sim.scanner_config import ScannerConfig
 from scanner_sim.tracing import variant
-from scanner_sim.tracing.scenes import build_scene, sensor
-
-if TYPE_CHECKING:
-    from scanner_sim.tracing.rays import Tracer
+from scanner_sim.tracing.scenes import build_scene, camera_sensor
+from scanner_sim.tracing.tracer import Tracer
 
 TEXELS = 512
 """Across the stripe; linear interpolation between them is wrong by 2e-5 of the peak."""
@@ -25,7 +23,11 @@ PATHS = 256
 
 
 def indirect(
-    tracer: "Tracer", pose: NDArray[np.float64], pixels: NDArray[np.int32], swept: stripe.Swept, seed: int = 0
+    tracer: Tracer,
+    pose: NDArray[np.float64],
+    pixels: NDArray[np.int32],
+    swept: stripe.SweptStripes,
+    seed: int = 0,
 ) -> NDArray[np.float64]:
     """Light that reaches pixels by more than one reflection, under the stripes of their rows.
 
@@ -58,7 +60,7 @@ def indirect(
 
 
 def render(
-    tracer: "Tracer",
+    tracer: Tracer,
     pose: NDArray[np.float64],
     pixels: NDArray[np.int32],
     numbers: NDArray[np.integer],
@@ -100,7 +102,7 @@ def render(
         mesh = tracer.mesh(mi)
         scene = build_scene(mi, mesh, _projector(mi, config, _tallest(vertices, config)))
         parameters = mi.traverse(scene)
-        camera = sensor(mi, config, pose, window, paths)
+        camera = camera_sensor(mi, config, pose, window, paths)
         integrator = mi.load_dict({"type": "path", "max_depth": bounces + 1, "rr_depth": bounces + 2})
         for k, number in enumerate(numbers):
             theta = config.sweep[0] + (number + 0.5) * config.step
@@ -114,8 +116,8 @@ def render(
 
 def _tallest(vertices: NDArray[np.float64], config: ScannerConfig) -> float:
     """Largest tangent of the object's elevation seen from the laser."""
-    where = stripe.sheet(vertices, config.baseline)
-    return 1.02 * float(np.max(np.abs(vertices[:, 1]) / where.axis))
+    laser = stripe.laser_coordinates(vertices, config.baseline)
+    return 1.02 * float(np.max(np.abs(vertices[:, 1]) / laser.axis_distance))
 
 
 def _projector(mi: Any, config: ScannerConfig, tallest: float) -> dict[str, Any]:

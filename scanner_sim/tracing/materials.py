@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
-from scanner_sim.config import ScannerConfig
+from scanner_sim.scanner_config import ScannerConfig
 
 Attributes = Mapping[str, NDArray[np.floating]]
 """Values per vertex, ``vertex_*`` (v,) or (v, k), or face, ``face_*`` (f,) or (f, k); ``vertex_uv`` (v, 2).

@@ -5,12 +5,15 @@ import os
 import numpy as np
 
 from datasets_gen.shape import Shape
+from scanner_sim.optics import viewpoints
+from scanner_sim.scanner_config import ScannerConfig
 from scanner_sim.tracing import variant
+from scanner_sim.tracing.tracer import Tracer
 
 TOLERANCE = 2e-3
 
 
-def run(name: str) -> None:
+def check_variant(name: str) -> None:
     """Exercise a variant as scans do; ends the process with an error if anything is off.
 
     Parameters
@@ -50,10 +53,6 @@ def _mesh_file(mi: object) -> None:
 
 def _scan(name: str) -> None:
     """Scan a cube's face, whose cosines and hits are known."""
-    from scanner_sim.config import ScannerConfig
-    from scanner_sim.optics import viewpoints
-    from scanner_sim.tracing.rays import Tracer
-
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     faces = np.array([[q[0], *pair] for q in quads for pair in (q[1:3], q[2:4])], np.int32)

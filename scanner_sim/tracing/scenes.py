@@ -1,9 +1,9 @@
 """Mitsuba scenes of a shape, and the two ways to ask them what camera and laser see.
 
-`Renderer` serves every variant: two tiny renders per view, at millions of rays a second in the scalar variant
-too. In one the mesh glows with the number of each face; in the other a point light stands at the laser, so a
-pixel's radiance is BSDF times cosine over the squared distance, and 0 where the shadow ray is blocked.
-`Wavefront` serves the vectorised variants: arrays of rays through one kernel, compiled once.
+`Renderer` serves every variant: two tiny renders per view, at millions of rays a second in the scalar
+variant too. In one the mesh emits the number of each face as light; in the other a point light stands at
+the laser, so a pixel's radiance is BSDF times cosine over the squared distance, and 0 where the shadow ray
+is blocked. `Wavefront` serves the vectorised variants: arrays of rays through one kernel, compiled once.
 """
 
 from dataclasses import dataclass
@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.meshes.geometry import vertex_normals
 from datasets_gen.shape import Shape
-from scanner_sim.config import ScannerConfig
 from scanner_sim.optics.camera import Window, camera_rays, undistorted
+from scanner_sim.scanner_config import ScannerConfig
 from scanner_sim.tracing.materials import Attributes
-from scanner_sim.tracing.rig_frame import vertex_normals
 
 
 @dataclass(frozen=True)
-class Seen:
+class WindowHits:
     """Pixels of a window whose camera ray hits the object.
 
     Attributes
@@ -60,7 +60,7 @@ def build_mesh(
     shading
         ``"smooth"`` or ``"flat"``.
     surface
-        A Mitsuba BSDF; None lets the mesh glow with face numbers counted from 1.
+        A Mitsuba BSDF; None: the mesh emits face numbers, counted from 1, as light.
     attributes
         For textures of the surface.
     """
@@ -85,7 +85,8 @@ def build_mesh(
     parameters["vertex_positions"] = vertices.astype(np.float32).ravel()
     parameters["faces"] = shape.faces.astype(np.uint32).ravel()
     if smooth:
-        parameters["vertex_normals"] = vertex_normals(shape).astype(np.float32).ravel()
+        normals = vertex_normals(shape.vertices, shape.faces)
+        parameters["vertex_normals"] = normals.astype(np.float32).ravel()
     if uv is not None:
         parameters["vertex_texcoords"] = np.asarray(uv, np.float32).ravel()
     parameters.update()
@@ -102,7 +103,9 @@ def build_scene(mi: Any, mesh: Any, emitter: dict[str, Any] | None = None) -> An
     return mi.load_dict(scene)
 
 
-def sensor(mi: Any, config: ScannerConfig, pose: NDArray[np.float64], window: Window, paths: int = 1) -> Any:
+def camera_sensor(
+    mi: Any, config: ScannerConfig, pose: NDArray[np.float64], window: Window, paths: int = 1
+) -> Any:
     """Pinhole camera that renders a window of the image: one ray through pixel centres, or more all over."""
     flipped = pose @ np.diag([-1.0, -1.0, 1.0, 1.0])  # Mitsuba's camera has x to the left and y up
     film = {
@@ -141,24 +144,26 @@ class Renderer:
     config
     mesh
         With its material.
-    glowing
-        The same with face numbers as light.
+    face_number_mesh
+        The same with face numbers as light (`build_mesh` without a surface).
     """
 
-    def __init__(self, mi: Any, config: ScannerConfig, mesh: Any, glowing: Any) -> None:
+    def __init__(self, mi: Any, config: ScannerConfig, mesh: Any, face_number_mesh: Any) -> None:
         self.config = config
         point = {"type": "point", "position": [0.0, 0.0, 1000.0], "intensity": 1.0}
         self.scene = build_scene(mi, mesh, point)
-        self.faces = build_scene(mi, glowing)
+        self.faces = build_scene(mi, face_number_mesh)
         self.parameters = mi.traverse(self.scene)
         self.direct = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
         self.emission = mi.load_dict({"type": "path", "max_depth": 1})
 
-    def look(self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window) -> Seen:
+    def trace(
+        self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window
+    ) -> WindowHits:
         """Trace the pixels of a window; `laser` is the (3,) position in the rig."""
         if any(self.config.distortion):
             return self._one_by_one(mi, pose, laser, window)
-        camera = sensor(mi, self.config, pose, window)
+        camera = camera_sensor(mi, self.config, pose, window)
         self.parameters["laser.position"] = laser.tolist()
         self.parameters.update()
         number = np.array(self.emission.render(self.faces, sensor=camera, spp=1))[..., 0]
@@ -166,11 +171,11 @@ class Renderer:
         row, column = np.nonzero(number)
         pixels = np.stack([column + window[0], row + window[1]], axis=1).astype(np.int32)
         returned = np.pi * light[row, column].astype(np.float64)
-        return Seen(pixels, number[row, column].astype(np.int32) - 1, returned, falls_off=True)
+        return WindowHits(pixels, number[row, column].astype(np.int32) - 1, returned, falls_off=True)
 
     def _one_by_one(
         self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window
-    ) -> Seen:
+    ) -> WindowHits:
         """Trace rays that no Mitsuba sensor has; some 20 microseconds each."""
         column, row = np.meshgrid(np.arange(window[2]) + window[0], np.arange(window[3]) + window[1])
         pixels = np.stack([column.ravel(), row.ravel()], axis=1).astype(np.int32)
@@ -188,17 +193,19 @@ class Renderer:
                 wanted = hit.to_local(away / float(np.linalg.norm(np.array(away))))
                 light[k] = np.pi * hit.bsdf().eval(context, hit, wanted)[0]
         kept = np.flatnonzero(faces)
-        return Seen(pixels[kept], faces[kept] - 1, light[kept], falls_off=False)
+        return WindowHits(pixels[kept], faces[kept] - 1, light[kept], falls_off=False)
 
 
 class Wavefront:
     """Faces and light by arrays of rays; LLVM and CUDA variants. Parameters as in `Renderer`."""
 
-    def __init__(self, mi: Any, config: ScannerConfig, mesh: Any, glowing: Any = None) -> None:
+    def __init__(self, mi: Any, config: ScannerConfig, mesh: Any, face_number_mesh: Any = None) -> None:
         self.config = config
         self.scene = build_scene(mi, mesh)
 
-    def look(self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window) -> Seen:
+    def trace(
+        self, mi: Any, pose: NDArray[np.float64], laser: NDArray[np.float64], window: Window
+    ) -> WindowHits:
         """Trace the pixels of a window; `laser` is the (3,) position in the rig."""
         import drjit as dr
 
@@ -232,4 +239,4 @@ class Wavefront:
         kept = np.flatnonzero(faces)
         pixels = np.stack([kept % window[2] + window[0], kept // window[2] + window[1]], axis=1)
         received = np.array(light)[kept].astype(np.float64)
-        return Seen(pixels.astype(np.int32), faces[kept] - 1, received, falls_off=False)
+        return WindowHits(pixels.astype(np.int32), faces[kept] - 1, received, falls_off=False)

@@ -88,7 +88,11 @@ def _run(variant: str, library: str | None) -> Probe:
     environment["PYTHONPATH"] = os.pathsep.join([p or os.getcwd() for p in sys.path])
     if library is not None:
         environment[_LIBRARY_PATH] = library
-    command = [sys.executable, "-c", f"from scanner_sim.tracing import probe; probe.run({variant!r})"]
+    command = [
+        sys.executable,
+        "-c",
+        f"from scanner_sim.tracing import probe; probe.check_variant({variant!r})",
+    ]
     try:
         done = subprocess.run(
             command, env=environment, capture_output=True, text=True, timeout=TIMEOUT, check=False

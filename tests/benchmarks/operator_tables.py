@@ -9,8 +9,7 @@ import sys
 import numpy as np
 
 from medial import Diffusion, density_weights, dual_areas, medial_axis, similarity, surface_areas
-from medial.areas.dual_area import calibrated
-from medial.operator import NEAREST
+from medial.areas.dual_area import JOINED, calibrated
 from tests.benchmarks.operator_stages import scanned
 from tests.medial.similarity.test_density import compare
 
@@ -43,7 +42,7 @@ def areas(sizes):
         phi = similarity(points, normals, weights=density_weights(surface))
         centers, radii = medial_axis(points, normals, phi)
         plain = dual_areas(points, centers, radii, normals)
-        joined = dual_areas(points, centers, radii, normals, NEAREST)
+        joined = dual_areas(points, centers, radii, normals, JOINED)
         for name, each in (
             ("Eq. 10", plain),
             ("nearest joined", joined),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reports.figures.point_renderer import frame, look_from, render_points
+from reports.figures.point_renderer import fitted_cameras, look_from, render_points
 from scanner_sim.tracing import variant
 
 POINTS, HEIGHT = 5000, 420
@@ -18,7 +18,7 @@ def cloud():
 
 def test_discs(benchmark, cloud):
     points, normals, colors = cloud
-    camera = frame([points], look_from(25), HEIGHT)[0]
+    camera = fitted_cameras([points], look_from(25), HEIGHT)[0]
     image = benchmark(render_points, points, normals, colors, camera)
     assert image.shape[0] == HEIGHT
 

@@ -9,8 +9,7 @@ import pytest
 import datasets_gen
 from scanner_sim import ScannerConfig, scan
 from scanner_sim.scanner import Rig
-from scanner_sim.tracing import brute_force as bruteforce
-from scanner_sim.tracing import variant
+from scanner_sim.tracing import brute_force, variant
 
 CONFIG = ScannerConfig(views=10, resolution=(640, 480), stripes=400, peak_threshold=0.01)
 THRESHOLDS = np.linspace(0.1, 0.9, 9)
@@ -72,7 +71,7 @@ def test_synthesis_against_rendering_every_stripe(benchmark, body, name):
     rig = Rig(body, CONFIG)
     hits, _ = rig.view(0, seed=0)
     some = np.arange(100, 300, 20)
-    rendering = seconds(lambda: bruteforce.render(rig.tracer, rig.poses[0], hits.pixels, some), repeats=1)
+    rendering = seconds(lambda: brute_force.render(rig.tracer, rig.poses[0], hits.pixels, some), repeats=1)
     benchmark.pedantic(rig.view, args=(0, 0), rounds=5)
     ratio = rendering / len(some) * CONFIG.stripes / benchmark.stats["min"]
     say(benchmark, times_faster=round(ratio))

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from evaluation.experiment.tasks import Task
+from evaluation.results.outcome import Outcome
 from evaluation.running.cluster import connect
+from evaluation.running.execute import execute
 from evaluation.running.progress import Silent
-from evaluation.running.sweep import execute
-from evaluation.running.tasks import Report, Task
 from tests.evaluation.conftest import blobs, method_file, small  # noqa: F401  (fixtures)
 
 
@@ -27,7 +28,7 @@ MANY = int(os.environ.get("MEDIALBENCH_MANY", "20000"))
 
 def trivial(folder, task, run, limit):
     """A task that does nothing, with a result as large as a real report."""
-    return Report(task, True, seconds=0.0, detail="x" * 1000)
+    return Outcome(task, True, seconds=0.0, detail="x" * 1000)
 
 
 def spin(folder, task, run, limit):
@@ -35,7 +36,7 @@ def spin(folder, task, run, limit):
     start = time.process_time()
     while time.process_time() - start < 0.1:
         pass
-    return Report(task, True, seconds=0.1)
+    return Outcome(task, True, seconds=0.1)
 
 
 def chain(n, width=50):

@@ -3,15 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-
-def solid_angles(point, corners):
-    """Signed solid angle of triangles (f, 3, 3) seen from a point, (f,) [Van Oosterom & Strackee 1983]."""
-    a, b, c = (corners[:, k] - point for k in range(3))
-    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-    triple = np.einsum("fd,fd->f", a, np.cross(b, c))
-    dots = (np.einsum("fd,fd->f", x, y) for x, y in ((a, b), (b, c), (c, a)))
-    ab, bc, ca = dots
-    return 2 * np.arctan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb)
+from datasets_gen.meshes.geometry import face_normals, winding_number
 
 
 def buried_fraction(shape, samples=400, lift=2e-3, seed=0):
@@ -19,10 +11,9 @@ def buried_fraction(shape, samples=400, lift=2e-3, seed=0):
     rng = np.random.default_rng(seed)
     faces = rng.choice(len(shape.faces), size=samples, p=shape.face_areas / shape.area)
     corners = shape.vertices[shape.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[faces]
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    points = corners[faces].mean(axis=1) + lift * normals
-    winding = np.array([solid_angles(point, corners).sum() / (4 * np.pi) for point in points])
+    normals = face_normals(shape.vertices, shape.faces)
+    points = corners[faces].mean(axis=1) + lift * normals[faces]
+    winding = np.array([winding_number(corners, point) for point in points])
     return float((winding > 0.5).mean())
 
 

@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
-from datasets_gen import InputError, load, names, provenance, registry
+from datasets_gen import InputError, load, names, provenance, registry, write_collection
 from datasets_gen.bodies.body_plan import BodyPlan, Detail
 from datasets_gen.bodies.implicit_surface import Body, ellipsoid
 from datasets_gen.bodies.skeleton import Skeleton, hinge
+from datasets_gen.registry import outline
 
 
 def egg(seed):
@@ -33,13 +34,13 @@ def built(tmp_path, monkeypatch):
     """The egg as a built-in body, and the list of seeds with which it was built."""
     monkeypatch.setenv("MEDIALBENCH_CACHE", str(tmp_path / "cache"))
     monkeypatch.setitem(registry.BUILT_IN, "egg", egg)
-    seeds, build = [], registry.build
+    seeds, build = [], registry.build_body
 
     def counted(plan):
         seeds.append(plan)
         return build(plan)
 
-    monkeypatch.setattr(registry, "build", counted)
+    monkeypatch.setattr(registry, "build_body", counted)
     return seeds
 
 
@@ -119,3 +120,26 @@ def test_an_existing_folder_of_a_built_in_name_does_not_hide_it(built, tmp_path,
     monkeypatch.chdir(tmp_path)
     (tmp_path / "egg").mkdir()
     assert load("egg").subject == "egg"
+
+
+def test_an_outline_is_what_loading_gives(tmp_path):
+    body = load("human", poses=["sit", "rest"])
+    found = outline("human", poses=["sit", "rest"])
+    assert found == {"subject": "human", "poses": list(body.poses), "reference": body.reference.pose}
+    assert outline("quadruped", seed=3)["subject"] == "quadruped-3"
+    write_collection(body, tmp_path)
+    for options in ({}, {"poses": ["sit"], "reference": "sit"}):
+        folder = load(tmp_path, **options)
+        expected = {"subject": "human", "poses": list(folder.poses), "reference": folder.reference.pose}
+        assert outline(tmp_path, **options) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [("humn", {}, "did you mean 'human'"), ("human", {"seed": -1}, "seed of 'human' is -1"),
+     ("human", {"poses": ["fly"]}, "no pose 'fly'"), ("human", {"size": 1}, "no option 'size'")],
+)  # fmt: skip
+def test_an_outline_refuses_what_loading_refuses(name, options, message):
+    for function in (outline, load):
+        with pytest.raises(InputError, match=message):
+            function(name, **options)

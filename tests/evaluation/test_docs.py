@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from evaluation import Experiment, presets
-from evaluation.methods import METHODS, Cloud, create, find
+from evaluation.methods import METHODS, MethodInput, create, find
 from medial import Diffusion
 from scanner_sim import sample
 from tests.evaluation.meshes import blob
@@ -38,7 +38,9 @@ def test_the_method_on_the_page_matches(written):
     for seed in (1, 2):
         scan = sample(blob(4), 300, seed)
         clouds.append(
-            Cloud(str(seed), scan, {"robust": Diffusion.from_points(scan.points, scan.normals, "robust", 40)})
+            MethodInput(
+                str(seed), scan, {"robust": Diffusion.from_points(scan.points, scan.normals, "robust", 40)}
+            )
         )
     found = method.match(*clouds, seed=0)
     error = np.linalg.norm(clouds[0].points - clouds[1].points[found.source_to_target], axis=1)

@@ -3,12 +3,14 @@ import logging
 import numpy as np
 import pytest
 
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, save_record
 from medial import Diffusion
 from medial.diffusion import GONE, decay
 from medial.operator import OPERATORS, Operator
+from medial.spectrum.equations import diffused, diffusion_kernel, heat_rate
 from tests.medial import clouds
 
+ARRAYS = ("points", "normals", "areas", "eigenvalues", "eigenfunctions", "centers", "radii")
 SPHERE = np.concatenate([np.full(2 * degree + 1, degree * (degree + 1.0)) for degree in range(4)])
 
 
@@ -83,6 +85,22 @@ def test_decay_is_exponential_until_a_mode_is_gone():
     assert (decay(eigenvalues, times[3]) == found[:, 3]).all()
 
 
+def test_kernel_equals_equations_11_to_13(diffusion):
+    """Heat diffused by m_t solves the heat equation of the kept modes."""
+    every, t = np.arange(800), 2 / diffusion.eigenvalues[5]
+    kernel = diffusion_kernel(diffusion.eigenvalues, diffusion.eigenfunctions, t)
+    assert diffusion.kernel(t, every, every) == pytest.approx(kernel, abs=1e-12 * np.abs(kernel).max())
+    psi, step = diffusion.eigenfunctions, 1e-4 * t
+    laplacian = (psi * diffusion.eigenvalues) @ (psi.T * diffusion.areas)
+    start = np.random.default_rng(0).standard_normal(800)
+    before, now, after = (
+        diffused(diffusion_kernel(diffusion.eigenvalues, psi, each), start, diffusion.areas)
+        for each in (t - step, t, t + step)
+    )
+    rate = heat_rate(laplacian, now)
+    assert (after - before) / (2 * step) == pytest.approx(rate, abs=1e-6 * np.abs(rate).max())
+
+
 def test_signature_and_heat_trace(diffusion):
     times = np.array([0.5, 2.0]) / diffusion.eigenvalues[3]
     kernel = diffusion.kernel(times[1], np.array([4]), np.array([4]))
@@ -123,24 +141,31 @@ def test_scale_changes_the_unit_only(figure, diffusion, operator):
     assert again.areas == pytest.approx(100 * diffusion.areas, rel=1e-6)
 
 
-def test_save_and_load(tmp_path, figure):
-    made = Diffusion.from_points(*figure, modes=20, surface=True, surface_modes=15)
-    assert made.surface is not None
-    assert made.surface.operator == "robust"
-    assert made.surface.eigenfunctions.shape == (800, 15)
-    made.save(tmp_path / "d.npz")
-    read = Diffusion.load(tmp_path / "d.npz")
-    assert read.surface is not None
-    for one, other in ((made, read), (made.surface, read.surface)):
-        assert (one.operator, one.parameters) == (other.operator, other.parameters)
-        for name in ("points", "normals", "areas", "eigenvalues", "eigenfunctions", "centers", "radii"):
-            assert (getattr(one, name) == getattr(other, name)).all()
-    assert read.surface.surface is None
-
-
-def test_save_and_load_without_companion(tmp_path, diffusion):
+def test_save_and_load(tmp_path, diffusion):
     diffusion.save(tmp_path / "d.npz")
-    assert Diffusion.load(tmp_path / "d.npz").surface is None
+    read = Diffusion.load(tmp_path / "d.npz")
+    assert (read.operator, read.parameters) == (diffusion.operator, diffusion.parameters)
+    for name in ARRAYS:
+        assert (getattr(read, name) == getattr(diffusion, name)).all()
+
+
+def test_older_files_with_a_companion_are_read(tmp_path, diffusion):
+    """Files once held a second, surface basis of the same points."""
+    own = {name: getattr(diffusion, name) for name in ARRAYS}
+    meta = {"operator": diffusion.operator, "parameters": {}}
+    companion = {f"surface_{name}": array for name, array in own.items()}
+    save_record(tmp_path / "d.npz", "Diffusion", own | companion, meta | {"surface": meta})
+    assert (Diffusion.load(tmp_path / "d.npz").eigenfunctions == diffusion.eigenfunctions).all()
+
+
+def test_repr_is_one_line(diffusion):
+    area = diffusion.areas.sum()
+    assert repr(diffusion) == f"Diffusion({diffusion.operator!r}, n=800, k=40, area={area:.6g})"
+
+
+def test_points_alone_are_enough(figure):
+    found = Diffusion.from_points(figure[0])
+    assert (found.eigenvalues.shape, found.operator) == ((300,), "medial")
 
 
 def test_duplicated_points_share_their_area(figure):
@@ -215,21 +240,6 @@ def test_missing_normals_are_estimated(figure, caplog):
     assert (agreement > 0.8).mean() > 0.97
 
 
-def test_warm_start(figure):
-    first = Diffusion.from_points(*figure, modes=30, eta=0.5)
-    cold = Diffusion.from_points(*figure, modes=30, eta=0.4)
-    warm = Diffusion.from_points(*figure, modes=30, eta=0.4, start=first)
-    assert warm.eigenvalues == pytest.approx(cold.eigenvalues, abs=1e-9)
-
-
-def test_equations_as_written(figure):
-    """reference_points=None turns the density rule off."""
-    plain = Diffusion.from_points(*figure, modes=10, reference_points=None)
-    ruled = Diffusion.from_points(*figure, modes=10)
-    assert plain.parameters["reference_points"] is None
-    assert plain.eigenvalues[1:] != pytest.approx(ruled.eigenvalues[1:], rel=0.05)
-
-
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -240,6 +250,9 @@ def test_equations_as_written(figure):
         ({"sigma_e": -1.0}, "sigma_e"),
         ({"reference_points": 0}, "reference_points is 0"),
         ({"tolerance": 0}, "tolerance is 0"),
+        ({"departures": "some"}, "departures is 'some'; give 'all', 'none'"),
+        ({"departures": {"radius": False}}, "unknown departure 'radius'; known are density_weights"),
+        ({"departures": {"radius_cap": 1}}, "departure radius_cap must be true or false, got 1"),
     ],
 )
 def test_bad_settings(figure, settings, message):

@@ -9,12 +9,11 @@ import pytest
 import trimesh
 
 from datasets_gen import Collection, Shape
+from evaluation.experiment.tasks import Task
 from evaluation.methods import dense
 from evaluation.metrics.correspondence import CURVE, pck_curve
-from evaluation.results.collection_file import save_collection
 from evaluation.results.store import FORMAT, ResultsStore, write_json
 from evaluation.results.table import COLUMNS
-from evaluation.running.tasks import Task
 from medial import Diffusion
 from scanner_sim import sample
 
@@ -59,7 +58,7 @@ def write_results(folder, *, subjects=("blob",), seeds=(0,), failures=()):
     for subject in subjects:
         shapes = collection(subject)
         datasets[subject] = f"{subject}-shape"
-        save_collection(shapes, store.path("shape", datasets[subject]))
+        shapes.save(store.path("shape", datasets[subject]))
         for seed in seeds:
             rows += _rows(store, subject, shapes, seed)
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from datasets_gen import InputError, Shape
-from scanner_sim import ScannerConfig, coverage, preview, sample, scan
+from scanner_sim import ScannerConfig, coverage, sample, scan, write_contact_sheet
 from tests.scanner_sim.conftest import to_shape
 
 SMALL = {"views": 2, "resolution": (60, 60)}
@@ -164,7 +164,7 @@ def test_bad_arguments_of_helpers(capsule, tmp_path):
     with pytest.raises(InputError, match="radius"):
         coverage(whole, capsule, radius=0)
     with pytest.raises(InputError, match="no view"):
-        preview(capsule, tmp_path / "x.png", ScannerConfig(**SMALL), view=-1)
+        write_contact_sheet(capsule, tmp_path / "x.png", ScannerConfig(**SMALL), view=-1)
 
 
 def test_coverage_counts_area_not_points(plate):

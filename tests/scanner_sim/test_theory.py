@@ -7,7 +7,7 @@ from scanner_sim import ScannerConfig, scan
 from scanner_sim.optics import viewpoints
 from scanner_sim.optics.camera import camera_rays
 from scanner_sim.scanner import Rig
-from scanner_sim.tracing.rays import REFLECTANCE, Tracer, rounded
+from scanner_sim.tracing.tracer import REFLECTANCE, Tracer, rounded
 
 MARGIN = 0.02
 """Of cosines about the threshold within which quantisation and the stripe's phase decide."""

@@ -1,11 +1,9 @@
 """Shapes: the poses of one subject."""
 
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
 from datasets_gen import load
-from evaluation.results.collection_file import save_collection
 from evaluation.running.stages.interface import Inputs, Output
 
 
@@ -17,10 +15,10 @@ def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     collection = load(spec["name"], **spec["options"])
     info = {
         "subject": collection.subject,
-        "poses": [shape.pose for shape in collection.shapes],
+        "poses": list(collection.poses),
         "reference": collection.reference.pose,
         "area": collection.reference.area,
         "vertices": len(collection.reference.vertices),
         "mirror": collection.mirror is not None,
     }
-    return Output(partial(save_collection, collection), info)
+    return Output(collection.save, info)

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from datasets_gen import InputError
-from evaluation.methods.base import Cloud, Method
-from evaluation.methods.registry import create
+from datasets_gen.fingerprints import library_versions
+from evaluation.methods.base import Method, MethodInput
+from evaluation.methods.catalogue import METHODS, create
 from evaluation.running.stages.interface import Inputs, Output
 from medial import Matching
 
@@ -17,17 +18,26 @@ def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
 
     ``spec``: ``method``, ``options``, ``seed``. Inputs: ``shape``, ``source_scan``, ``target_scan`` and
     ``source_<operator>``, ``target_<operator>`` for every operator that the method asks for.
+
+    Info: ``mirror_check`` and ``cost`` of the map; ``method_versions``: libraries that the method imports.
+
+    Raises
+    ------
+    InputError
+        If the method refuses the clouds, or returns what is no map between them.
     """
     method = create(spec["method"], spec["options"])
     source, target = (_cloud(side, method, inputs) for side in ("source", "target"))
     found = method.match(source, target, seed=spec["seed"])
     check(found, len(source), len(target))
-    return Output(found.save, {"flip": found.flip, "cost": float(found.cost)})
+    home = METHODS.get(spec["method"], spec["method"]).rpartition(":")[0]
+    info = {"mirror_check": found.mirror_check, "cost": float(found.cost)}
+    return Output(found.save, {**info, "method_versions": library_versions(home)})
 
 
-def _cloud(side: str, method: Method, inputs: Inputs) -> Cloud:
+def _cloud(side: str, method: Method, inputs: Inputs) -> MethodInput:
     scan = inputs.load(f"{side}_scan")
-    return Cloud(
+    return MethodInput(
         name=inputs.keys[f"{side}_scan"],
         scan=scan,
         operators={each: inputs.load(f"{side}_{each}") for each in method.operators},

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from datasets_gen import Collection, Shape
+from datasets_gen.meshes.geometry import face_normals
 from evaluation.metrics.correspondence import (
     CONFIDENT,
     SurfacePoints,
@@ -30,11 +31,11 @@ OVERLAP_SPACINGS = 2.0
 
 def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     """Score one cloud (``kind`` stability) or one map (``kind`` matching)."""
-    return stability(spec, inputs) if spec["kind"] == "stability" else matching(spec, inputs)
+    return score_operator(spec, inputs) if spec["kind"] == "stability" else score_map(spec, inputs)
 
 
-def stability(spec: Mapping[str, Any], inputs: Inputs) -> Output:
-    """Eq. 18.
+def score_operator(spec: Mapping[str, Any], inputs: Inputs) -> Output:
+    """Eq. 18 of the operator of a cloud.
 
     ``spec``: ``pairs``, ``times``, ``seed``. Inputs: ``shape``, ``scan``, ``operator``,
     ``reference_operator``.
@@ -44,7 +45,7 @@ def stability(spec: Mapping[str, Any], inputs: Inputs) -> Output:
         inputs.load("reference_operator"),
         inputs.load("operator"),
         reference.at(scan.face_ids, scan.barycentrics),
-        face_normals(reference)[scan.face_ids],
+        face_normals(reference.vertices, reference.faces)[scan.face_ids],
         reference.area,
         pairs=spec["pairs"],
         times=spec["times"],
@@ -55,7 +56,7 @@ def stability(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     return Output(None, {"row": row, "times": found.times.tolist(), "per_time": found.per_time.tolist()})
 
 
-def matching(spec: Mapping[str, Any], inputs: Inputs) -> Output:
+def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     """Errors of a map.
 
     ``spec``: ``evaluated`` (points at which to measure), ``seed``. Inputs: ``shape``, ``source_scan``,
@@ -83,7 +84,7 @@ def matching(spec: Mapping[str, Any], inputs: Inputs) -> Output:
         "overlap_iou": intersection_over_union(confident, there),
         "overlap": float(there.mean()),
         "distinct": len(np.unique(found.source_to_target)) / min(len(source), len(target)),
-        "flip_decision": found.flip,
+        "mirror_check": found.mirror_check,
         "n_points": len(source),
         "source_missing": inputs.note("source_scan")["missing"],
         "target_missing": inputs.note("target_scan")["missing"],
@@ -103,13 +104,6 @@ def surface(scan: Scan) -> SurfacePoints:
 def reference_distance(collection: Collection) -> SurfaceDistance:
     """Distances on the rest pose."""
     return SurfaceDistance(collection.reference)
-
-
-def face_normals(shape: Shape) -> NDArray[np.float64]:
-    """Unit normals of the faces, (f, 3); zero for degenerate ones."""
-    a, b, c = (shape.vertices[shape.faces[:, k]] for k in range(3))
-    cross = np.cross(b - a, c - a)
-    return cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), np.finfo(float).tiny)
 
 
 def _evaluated(n: int, spec: Mapping[str, Any]) -> NDArray[np.int64]:

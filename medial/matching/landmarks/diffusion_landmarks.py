@@ -1,21 +1,16 @@
-"""The landmark search and the extrapolation of Sec. 4 (Eqs. 16 and 17)."""
+"""Landmarks and their partners by diffusion: the greedy search of Sec. 4 (Eq. 16)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.compiled import compiled
-from medial.diffusion import Diffusion, decay
+from datasets_gen.points.farthest import farthest_in_embedding
 from medial.matching.config import MatchConfig
-from medial.matching.landmarks.samples import (
-    LOG_DECADES,
-    diffusion_map,
-    farthest_points,
-    first_positive_mode,
-)
-from medial.matching.nearest import nearest_sum_of_norms, over_blocks, single_blas_thread
+from medial.matching.landmarks.descriptors import DiffusionDescriptors, middle_time
+from medial.matching.landmarks.samples import diffusion_map
+from medial.matching.nearest import over_blocks
 
 Float32 = NDArray[np.float32]
 Float64 = NDArray[np.float64]
@@ -24,85 +19,17 @@ PARTNERS_APART = 0.5
 """Alternatives are apart by this part of the target's root mean square extent in the diffusion map."""
 
 
-@dataclass(frozen=True)
-class Side:
-    """One cloud, prepared for matching.
-
-    Attributes
-    ----------
-    diffusion : Diffusion
-    samples : (s,) int64
-        Point ids of S_P or S_Q.
-    decay : (k, T) float32
-        exp(-lambda_i t) over the heat trace at t (`medial.diffusion.decay`).
-    psi : (n, k) float32
-        Eigenfunctions in units in which the cloud's total area is 1.
-    signature : (s, T) float32
-        m_t(x, x) of the samples, divided by the heat trace.
-    """
-
-    diffusion: Diffusion
-    samples: NDArray[np.int64]
-    decay: NDArray[np.float32]
-    psi: NDArray[np.float32]
-    signature: NDArray[np.float32]
-
-    def heat(self, landmark: int, rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
-        """m_o(landmark, x) for some points x: one column per time, (rows, T)."""
-        return self.psi[rows] @ (self.psi[landmark][:, None] * self.decay)
-
-    def heats(self, landmarks: NDArray[np.integer], rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
-        """m_o between several landmarks and some points, (landmarks, rows, T)."""
-        weights = self.psi[landmarks].T[:, :, None] * self.decay[:, None, :]  # (k, L, T)
-        table = self.psi[rows] @ weights.reshape(len(weights), -1)
-        return table.reshape(len(table), len(landmarks), -1).transpose(1, 0, 2)
-
-    def signatures(self, rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
-        """m_o(x, x) for some points x, (rows, T)."""
-        return self.psi[rows] ** 2 @ self.decay
-
-
-def shared_times(source: Diffusion, target: Diffusion, config: MatchConfig) -> NDArray[np.float64]:
-    """Logarithmic times of a pair: from 4 ln 10 / lambda_max to 4 ln 10 / lambda_first [SOG09].
-
-    Each end is the geometric mean of the two clouds', so that the pair shares one set.
-
-    Returns
-    -------
-    (T,) float64
-    """
-    ends = []
-    for diffusion in (source, target):
-        first = first_positive_mode(diffusion.eigenvalues) + config.first_mode - 1
-        low = diffusion.eigenvalues[min(first, len(diffusion.eigenvalues) - 1)]
-        ends.append((LOG_DECADES / diffusion.eigenvalues[-1], LOG_DECADES / low))
-    shortest, longest = np.exp(np.log(ends).mean(axis=0))
-    return np.geomspace(shortest, longest, config.times)
-
-
-def middle_time(times: NDArray[np.float64]) -> float:
-    """The middle of logarithmic times."""
-    return float(np.sqrt(times[0] * times[-1]))
-
-
-def prepare(diffusion: Diffusion, times: NDArray[np.float64], samples: NDArray[np.int64]) -> Side:
-    """Tabulate the heat traces of a cloud and the signatures of its samples."""
-    scale = np.sqrt(diffusion.areas.sum())
-    psi = (diffusion.eigenfunctions * scale).astype(np.float32)
-    left = (decay(diffusion.eigenvalues, times) / diffusion.heat_trace(times)).astype(np.float32)
-    with single_blas_thread():
-        return Side(diffusion, samples, left, psi, psi[samples] ** 2 @ left)
-
-
-def landmark_order(side: Side, times: NDArray[np.float64], start: int, count: int) -> NDArray[np.int64]:
-    """Positions in `side.samples` of samples far apart in the diffusion map at the middle time, (count,)."""
-    embedding = diffusion_map(side.diffusion, middle_time(times), side.samples)
-    return farthest_points(embedding, count, start)
+def landmark_order(
+    cloud: DiffusionDescriptors, times: NDArray[np.float64], start: int, count: int
+) -> NDArray[np.int64]:
+    """Positions in `cloud.samples` of samples far apart in the diffusion map at the middle time, (count,)."""
+    embedding = diffusion_map(cloud.diffusion, middle_time(times), cloud.samples)
+    return farthest_in_embedding(embedding, count, start)
 
 
 def search_landmarks(
-    source: Side,
-    target: Side,
+    source: DiffusionDescriptors,
+    target: DiffusionDescriptors,
     order: NDArray[np.int64],
     config: MatchConfig,
     first_partner: int | None = None,
@@ -143,7 +70,11 @@ def search_landmarks(
 
 
 def first_partners(
-    source: Side, target: Side, landmark: int, config: MatchConfig, time: float
+    source: DiffusionDescriptors,
+    target: DiffusionDescriptors,
+    landmark: int,
+    config: MatchConfig,
+    time: float,
 ) -> NDArray[np.int64]:
     """Partners of a first landmark by Eq. 16, best first, that lie apart from each other.
 
@@ -241,37 +172,3 @@ def _sum_of_nearest(agreement: Float32, product: Float32, square_x: Float32, squ
     for i in range(len(square_x)):
         total += np.sqrt(max(least[i] + square_x[i], np.float32(0)))
     return total
-
-
-def extend(
-    source: Side,
-    target: Side,
-    landmarks: NDArray[np.int64],
-    rows: NDArray[np.integer] | slice,
-    among: NDArray[np.integer] | None = None,
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Target of some source points by Eq. 17, over all points of the target unless told otherwise.
-
-    Parameters
-    ----------
-    source, target
-    landmarks : (L, 2) int64
-        Point ids.
-    rows
-        Source points to map.
-    among
-        Target points to choose from; None is all of them.
-
-    Returns
-    -------
-    index : (rows,) int64
-        Target point ids.
-    residual : (rows,) float64
-        The sum of norms that the target point minimises.
-    """
-    columns = slice(None) if among is None else among
-    with single_blas_thread():
-        here = [source.heat(int(p), rows) for p in landmarks[:, 0]] + [source.signatures(rows)]
-        there = [target.heat(int(q), columns) for q in landmarks[:, 1]] + [target.signatures(columns)]
-    index, residual = nearest_sum_of_norms(here, there)
-    return (index if among is None else among[index]).astype(np.int64), residual

@@ -15,9 +15,12 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from datasets_gen.compiled import compiled
-from medial.matching.common_units import Cloud, Float, Int, farthest_order, neighbour_pairs
+from datasets_gen.points.farthest import farthest_from_mean, farthest_in_metric
+from datasets_gen.points.neighbours import join_parts, neighbour_pairs
+from medial.matching.common_units import CloudInUnits, Float, Int
 
 NEIGHBOURS = 10
+BRIDGES = 2  # edges that join a part to the next one
 SURFACE_SHARE = 0.02  # of the way along the surface, so that points of one medial region differ a little
 FAR = 0.3
 """Points with a path between them that is shorter than this, in sqrt(area), do not judge a map."""
@@ -46,12 +49,12 @@ class MedialPaths:
     nearest: Int
 
     @classmethod
-    def of(cls, cloud: Cloud, count: int = 700) -> "MedialPaths":
+    def of(cls, cloud: CloudInUnits, count: int = 700) -> "MedialPaths":
         """Paths of a cloud over `count` nodes."""
-        nodes = farthest_order(cloud.points, count)
+        nodes = farthest_from_mean(cloud.points, count)
         features = cloud.features
         tree = cKDTree(features[nodes])
-        pairs = neighbour_pairs(tree, cloud.centers[nodes], NEIGHBOURS)
+        pairs = join_parts(neighbour_pairs(tree, NEIGHBOURS), cloud.centers[nodes], BRIDGES)
         start, end = nodes[pairs[:, 0]], nodes[pairs[:, 1]]
         along = np.linalg.norm(cloud.centers[start] - cloud.centers[end], axis=1)
         surface = np.linalg.norm(cloud.points[start] - cloud.points[end], axis=1)
@@ -63,12 +66,8 @@ class MedialPaths:
 
     def far_apart(self, count: int) -> Int:
         """Nodes in farthest-point order of the path lengths, from the most remote one, (count,)."""
-        order = [int(self.lengths.max(axis=1).argmax())]
-        gap = self.lengths[order[0]].copy()
-        while len(order) < min(count, len(self.nodes)):
-            order.append(int(gap.argmax()))
-            gap = np.minimum(gap, self.lengths[order[-1]])
-        return np.array(order, dtype=np.int64)
+        remote = int(self.lengths.max(axis=1).argmax())
+        return farthest_in_metric(self.lengths.__getitem__, count, remote)[0]
 
     def outer_half(self) -> NDArray[np.bool_]:
         """Points that lie farther than others along the body from its rest, as limbs and head do, (n,)."""

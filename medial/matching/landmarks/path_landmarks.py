@@ -97,7 +97,7 @@ def _distinct(states: Int, apart: Float, config: SearchConfig) -> Int:
     return np.array(kept, dtype=np.int64)
 
 
-def spread(source: MedialPaths, target: MedialPaths, landmarks: Int, partners: Int) -> Int:
+def extrapolate_by_paths(source: MedialPaths, target: MedialPaths, landmarks: Int, partners: Int) -> Int:
     """Target node of every source node by its path lengths to the landmarks, and its radius.
 
     Parameters

@@ -7,8 +7,8 @@ Node j at rest in g_j carries a rotation R_j and a position y_j; a point x follo
 Nodes are near in the *diffusion map*, not in space alone (`medial.matching.neighbourhoods`). For the medial
 operator a node is a piece of a limb with all its sides, so that a side without data follows the sides that
 have some, and a hand does not stick to the hip beside it. Neighbouring nodes should agree on where both of
-them go and on how they turn. Unknown are six numbers per node, found by Gauss-Newton steps with one banded
-Cholesky factor each.
+them go and on how they turn. Unknown are six numbers per node, found by Gauss-Newton steps
+(`registration.normal_equations`).
 
 References
 ----------
@@ -21,24 +21,30 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
+from scipy.spatial import cKDTree
 
-from medial.matching.landmarks.samples import farthest_points
-from medial.matching.registration import kernels as kernels
+from datasets_gen.points.farthest import farthest_in_embedding
+from datasets_gen.points.neighbours import join_parts, neighbour_pairs
+from medial.matching.registration.blending import blend
+from medial.matching.registration.energy_terms import add_edges
+from medial.matching.registration.strongest_paths import strongest_paths
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Int = NDArray[np.int64]
 
 INFLUENCES = 4
-"""Nodes that move a point, unless told otherwise. More of them tie together what lies side by side."""
+"""Nodes that move a point, by default. More of them couple limbs that lie side by side."""
 SHARED = 0.02
-"""Nodes are neighbours when they share this part of a node's points."""
+"""Nodes are neighbours if they share more than this part of the mean mass of a node."""
+NEAREST = 3
+"""Nearest nodes that are neighbours in any case."""
 BEND = 0.03
 """Disagreement of neighbours beyond which it costs linearly, in sqrt(area)."""
 ELASTIC = 1.25
 """Edges may grow by this factor, around the outside of a joint for instance."""
 TORN = 0.25
-"""Further growth, relative to the edge, at which it is half torn."""
+"""Growth beyond that, relative to the edge, at which an edge is half torn."""
 SHORT = 0.04
 """Edges shorter than this, in sqrt(area), count as this long."""
 BRIDGE = 0.05
@@ -47,7 +53,14 @@ BRIDGE = 0.05
 
 @dataclass(frozen=True)
 class Attachment:
-    """How n points hang on nodes: ids and weights, (n, influences); weights sum to 1."""
+    """Which nodes move each of n points.
+
+    Attributes
+    ----------
+    nodes : (n, influences) int64
+    weights : (n, influences) float64
+        Rows sum to 1.
+    """
 
     nodes: Int
     weights: Float
@@ -56,7 +69,7 @@ class Attachment:
         """The attachment of some of the points."""
         return Attachment(self.nodes[index], self.weights[index])
 
-    def spread(self, rows: Int, values: Float) -> Float:
+    def smoothed(self, rows: Int, values: Float) -> Float:
         """Values (r,) of some of the points, averaged at the nodes and from there at all points, (n,)."""
         hang = self.rows(rows)
         count = int(self.nodes.max()) + 1
@@ -124,7 +137,7 @@ class NodeGraph:
             Nodes that move a point.
         """
         remote = int((coordinates[eligible] ** 2).sum(axis=1).argmax())
-        ids = eligible[farthest_points(coordinates[eligible], count, remote)]
+        ids = eligible[farthest_in_embedding(coordinates[eligible], count, remote)]
         anchors, used = coordinates[ids], np.zeros(1, dtype=bool)
         while not used.all():  # of nodes at one place only some get points
             attachment = attach(coordinates, anchors, influences)
@@ -133,8 +146,8 @@ class NodeGraph:
             used = mass > 1e-9 * mass.max()
             anchors = anchors[used]
         rest = (share.T @ points) / mass[:, None]
-        spread = (share.T @ (points**2).sum(axis=1)) / mass - (rest**2).sum(axis=1)
-        reach = float(np.sqrt(np.median(np.maximum(spread, 0))))
+        variance = (share.T @ (points**2).sum(axis=1)) / mass - (rest**2).sum(axis=1)
+        reach = float(np.sqrt(np.median(np.maximum(variance, 0))))
         overlap = (share.T @ share).toarray()
         edges, hold = _edges(overlap / mass.mean(), anchors)
         order = _along_the_body(overlap, edges)
@@ -166,7 +179,7 @@ class NodeGraph:
         after = np.linalg.norm(pose.positions[i] - pose.positions[j], axis=1)
         growth = np.maximum(after - ELASTIC * before, 0) / np.maximum(before, SHORT)
         strength = 1 / (1 + (growth / TORN) ** 2)
-        share = kernels.strongest_paths(len(self), self.edges, strength).mean(axis=1)
+        share = strongest_paths(len(self), self.edges, strength).mean(axis=1)
         return np.asarray(share / share.max())
 
     def strain(self, pose: Pose) -> float:
@@ -178,9 +191,7 @@ class NodeGraph:
         """Add the edges' normal equations, times `weight`; return the strain."""
         turn, place = pose.rotations, pose.positions
         return float(
-            kernels.add_edges(
-                system, right, self.edges, self.hold, self.rest, turn, place, self.reach, weight, BEND
-            )
+            add_edges(system, right, self.edges, self.hold, self.rest, turn, place, self.reach, weight, BEND)
         )
 
 
@@ -220,83 +231,19 @@ def _along_the_body(overlap: Float, edges: Int) -> Int:
 
 
 def _edges(overlap: Float, anchors: Float32) -> tuple[Int, Float]:
-    """Neighbours (sharing points, or the three nearest) and weights; connected."""
-    count = len(anchors)
-    pairs = {(int(i), int(j)): overlap[i, j] for i, j in np.argwhere(np.triu(overlap, 1) > SHARED)}
-    gap = np.linalg.norm(anchors[:, None] - anchors, axis=2)
-    np.fill_diagonal(gap, np.inf)
-    for i, near in enumerate(np.argsort(gap, axis=1, kind="stable")[:, :3]):
-        for j in near:
-            pairs.setdefault((min(i, int(j)), max(i, int(j))), BRIDGE)
-    while True:
-        edges = np.array(sorted(pairs))
-        graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
-        parts, label = connected_components(graph, directed=False)
-        if parts == 1:
-            break
-        apart = np.where((label[:, None] == 0) & (label != 0), gap, np.inf)
-        first, second = divmod(int(apart.argmin()), count)
-        pairs[(min(first, second), max(first, second))] = BRIDGE
-    hold = np.array([pairs[(int(i), int(j))] for i, j in edges])
-    return edges.astype(np.int64), hold / hold.sum()
-
-
-def solve(system: Float, right: Float) -> Float:
-    """Solution of the (slightly damped) normal equations; only the lower triangle is read."""
-    system[np.diag_indices_from(system)] += 1e-6 * np.trace(system) / len(system) + 1e-12
-    return -kernels.cholesky_solve(system, right)
-
-
-class NormalEquations:
-    """Gauss-Newton step of a pose: pull the points, then `step`.
-
-    Parameters
-    ----------
-    graph
-    pose
-    points : (n, 3)
-        At rest.
-    attachment
-        Of the points.
-    """
-
-    def __init__(self, graph: NodeGraph, pose: Pose, points: Float, attachment: Attachment) -> None:
-        self._graph, self._pose, self._points, self._attachment = graph, pose, points, attachment
-        self._metric, self._force = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
-
-    def pull(self, rows: Int, offset: Float, normals: Float, even: Float, along: Float) -> None:
-        """Pull some of the points: even |offset|^2 + along (n . offset)^2.
-
-        Parameters
-        ----------
-        rows : (m,) int64
-            The points; they may repeat.
-        offset : (m, 3)
-            From the goal to where the point is now.
-        normals : (m, 3)
-            At the goal.
-        even, along : (m,)
-            Weights.
-        """
-        kernels.add_pulls(self._metric, self._force, rows, offset, normals, even, along)
-
-    def step(self, stiffness: float) -> Pose:
-        """The pose after one step, in which neighbouring nodes hold together with a weight."""
-        size = 6 * len(self._graph)
-        system, right = np.zeros((size, size)), np.zeros(size)
-        turn, nodes, weights = self._pose.rotations, self._attachment.nodes, self._attachment.weights
-        kernels.add_points(
-            system, right, self._points, nodes, weights, self._graph.rest, turn, self._metric, self._force
-        )
-        self._graph.add_edges(system, right, self._pose, stiffness)
-        change = solve(system, right).reshape(-1, 6)
-        return Pose(kernels.turned(turn, change[:, :3]), self._pose.positions + change[:, 3:])
+    """Neighbours (nodes that share points, and the nearest ones) and their weights; connected."""
+    sharing = np.argwhere(np.triu(overlap, 1) > SHARED)
+    nearest = neighbour_pairs(cKDTree(anchors), NEAREST)
+    edges = join_parts(np.concatenate([sharing, nearest]), anchors)
+    shared = overlap[edges[:, 0], edges[:, 1]]
+    hold = np.where(shared > SHARED, shared, BRIDGE)
+    return edges, hold / hold.sum()
 
 
 def moved(
     points: Float, directions: Float, attachment: Attachment, graph: NodeGraph, pose: Pose
 ) -> tuple[Float, Float]:
     """Points (n, 3) and unit directions (n, 3) that hang on nodes, in a pose."""
-    return kernels.moved(
+    return blend(
         points, directions, attachment.nodes, attachment.weights, graph.rest, pose.rotations, pose.positions
     )

@@ -1,20 +1,24 @@
-"""Combine settled maps: where one map has a limb right and another has the other limb right, take both.
+"""Exchange of parts between fits: where one has a limb right and another has the other limb right, take both.
 
 [KLF11] blend a collection of maps; here parts of the body are exchanged. Two fits differ on connected parts
-of the node graph. Each such part of one is put into the other, the result is settled, and what scores better
-stays.
+of the node graph. Each such part of one is put into the other, the result is settled, and the fits of the
+highest scores stay.
 
 References
 ----------
 [KLF11] Kim, Lipman, Funkhouser: Blended intrinsic maps. SIGGRAPH 2011.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from datasets_gen.compiled import run_tasks
 from medial.matching.registration.registration import Fit, Registration, Schedule
+
+F = TypeVar("F", bound=Fit)
 
 DIFFERENT = 0.1
 """Distance, in sqrt(area), at which two fits place a node differently."""
@@ -27,16 +31,21 @@ WORTH_A_TRY = 0.15
 BETTER = 0.002
 """Gain in score that counts as better."""
 AGAIN = Schedule(follow=0, rounds=10, stiffness=(1.0, 0.01))
+"""How an exchange is settled: softer from the start, as most of the body is in place."""
+SMALLEST_PART = 2
+"""Nodes of the smallest part that is exchanged."""
+LARGEST_PART = 0.9
+"""Share of the nodes of the largest part that is exchanged: more would be the other fit."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exchange:
-    """How much is tried."""
+class ExchangeLimits:
+    """How much the exchange of parts tries."""
 
     rounds: int = 6
-    """Rounds of exchanges; it ends sooner when nothing new can be tried."""
+    """Rounds of exchanges; fewer if nothing new is left to try."""
     patience: int = 2
-    """Rounds without a better fit after which it ends."""
+    """Early stop: rounds without a better fit after which it ends."""
     bases: int = 4
     """Best fits that receive parts."""
     donors: int = 14
@@ -45,7 +54,7 @@ class Exchange:
     """Exchanges settled per round."""
 
 
-def distinct(fits: list[Fit], most: int, same: float = SAME_FIT) -> list[Fit]:
+def distinct(fits: Sequence[F], most: int, same: float = SAME_FIT) -> list[F]:
     """The best of each group of like fits, best first, at most `most`.
 
     Parameters
@@ -54,8 +63,12 @@ def distinct(fits: list[Fit], most: int, same: float = SAME_FIT) -> list[Fit]:
     most
     same
         Mean distance of the points, in sqrt(area), up to which fits are alike.
+
+    Returns
+    -------
+    list
     """
-    kept: list[Fit] = []
+    kept: list[F] = []
     for fit in sorted(fits, key=lambda f: -f.score):
         gaps = (np.linalg.norm(fit.moved - other.moved, axis=1).mean() for other in kept)
         if all(gap > same for gap in gaps):
@@ -65,44 +78,45 @@ def distinct(fits: list[Fit], most: int, same: float = SAME_FIT) -> list[Fit]:
     return kept
 
 
-def recombine(registration: Registration, fits: list[Fit], exchange: Exchange) -> list[Fit]:
-    """Exchange parts between fits as long as something new comes out.
+def exchange_parts(registration: Registration, fits: Sequence[Fit], limits: ExchangeLimits) -> list[Fit]:
+    """Exchange parts between fits until no better fit comes out (`ExchangeLimits.patience`).
 
     Parameters
     ----------
     registration
         The one that settled the fits.
     fits
-        At least one.
+        Of one direction.
+    limits
 
     Returns
     -------
     list of Fit
         Distinct, best first.
     """
-    pool = distinct(fits, exchange.donors)
+    pool: list[Fit] = distinct(fits, limits.donors)
     tried: set[tuple[int, int]] = set()
     everything = list(pool)  # keeps the fits alive, so that identities stay unique
     idle = 0
-    for _ in range(exchange.rounds):
-        trials = _trials(registration, pool, exchange, tried)
+    for _ in range(limits.rounds):
+        trials = _trials(registration, pool, limits, tried)
         if not trials:
             break
         again = run_tasks(lambda fit: registration.settle(fit.pose, AGAIN), [(fit,) for fit in trials])
         everything += again
-        before, pool = pool[0].score, distinct(pool + again, exchange.donors)
+        before, pool = pool[0].score, distinct(pool + again, limits.donors)
         idle = 0 if pool[0].score > before + BETTER else idle + 1
-        if idle == exchange.patience:
+        if idle == limits.patience:
             break
     return pool
 
 
 def _trials(
-    registration: Registration, pool: list[Fit], exchange: Exchange, tried: set[tuple[int, int]]
+    registration: Registration, pool: list[Fit], limits: ExchangeLimits, tried: set[tuple[int, int]]
 ) -> list[Fit]:
     """The most promising exchanges, not settled."""
     arguments = []
-    for base in pool[: exchange.bases]:
+    for base in pool[: limits.bases]:
         for donor in pool:
             key = (id(base), id(donor))
             if donor is not base and key not in tried:
@@ -115,17 +129,17 @@ def _trials(
         places = (np.abs(fit.pose.positions - p.pose.positions) for p in picked)
         if all(np.linalg.norm(gap, axis=1).mean() > SAME_TRIAL for gap in places):
             picked.append(fit)
-        if len(picked) == exchange.settled:
+        if len(picked) == limits.settled:
             break
     return picked
 
 
 def _exchanges(registration: Registration, base: Fit, donor: Fit) -> list[Fit]:
-    """The base with each part on which the donor differs taken from it."""
+    """The base with one part taken from the donor, for each part on which they differ; not settled."""
     gap = np.linalg.norm(base.pose.positions - donor.pose.positions, axis=1)
     trials = []
     for part in registration.graph.parts(gap > DIFFERENT):
-        if 2 <= len(part) <= 0.9 * len(gap):
+        if SMALLEST_PART <= len(part) <= LARGEST_PART * len(gap):
             fit = registration.judge(base.pose.mixed(donor.pose, part))
             if fit.seen > base.seen - WORTH_A_TRY:
                 trials.append(fit)

@@ -1,9 +1,9 @@
-"""Try out a map: deform the source along it, let the surfaces settle on each other, and judge the fit.
+"""Registration of one cloud onto another: follow a map, settle by rounds of closest points, judge the fit.
 
-A map between medial regions is right up to the ambiguity around each limb, and a landmark set may be wrong or
-mirrored. What settles on the target with little strain, each surface finding the other, is right; a mirrored
-map cannot, as rigid pieces do not reflect ([ZSCO*08] judge correspondences by deformation likewise). Limbs
-that come to lie on each other's surface are as near to it as the right ones, but hang on by torn edges.
+A map between medial regions is ambiguous around each limb, and a landmark set may be wrong or mirrored. A map
+is right if the source settles on the target with little strain and each surface finds the other. A mirrored
+map cannot do that, as rigid pieces do not reflect; [ZSCO*08] judge correspondences by deformation likewise.
+A limb on the surface of another limb is as near to it as the right one is, but hangs on by torn edges.
 
 References
 ----------
@@ -17,36 +17,40 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from medial.matching.common_units import Cloud
+from medial.matching.common_units import CloudInUnits
+from medial.matching.registration.closest_points import meeting, nearest_of_few
 from medial.matching.registration.deformation_graph import (
     Attachment,
     Float,
     Int,
     NodeGraph,
-    NormalEquations,
     Pose,
     moved,
     shares,
 )
-from medial.matching.registration.kernels import local_motions, meeting, nearest_of_few
+from medial.matching.registration.normal_equations import NormalEquations
+from medial.matching.registration.rigid_motions import local_motions
 
 NORMAL_LENGTH = 0.06
-"""How far apart opposite unit normals count as, per unit of difference of normals, in sqrt(area)."""
+"""Length, in sqrt(area), that a unit of difference between normals counts as among closest points."""
 EVEN = 0.1
 """Weight of the distance to a goal in all directions, relative to that along the goal's normal."""
 BACKWARD = 0.5
 """Weight of target points that look for the source, relative to source points that look for the target."""
 SEEN_WITHIN = 0.03
 """Distance, in sqrt(area), at which a point counts half as found."""
-STRAIN_COST, HELD_WORTH = 250.0, 0.75
-"""Cost of the mean square strain (in areas), and worth of the share of the body that holds together, in the
-score of a fit. Fitted to some 900 fits of 52 hard pairs."""
+STRAIN_COST = 250.0
+"""Cost of the mean square strain (areas) in the score of a fit. Fitted to some 900 fits of 52 hard pairs."""
+HELD_WORTH = 0.75
+"""Worth of the share of the body that holds together in the score of a fit. Fitted with `STRAIN_COST`."""
 SMALLEST_SCALE = 0.01
-"""Residuals below this, in sqrt(area), are never outliers of a node's motion."""
+"""Residuals below this, in sqrt(area), are no outliers when a node's motion is estimated."""
 FEW = 1000
-"""Places up to this number are compared one by one; in more of them, a tree finds the nearest."""
+"""Up to this number, places are compared one by one; of more, a tree finds the nearest."""
+FOLLOW_STIFFNESS = 0.2
+"""Stiffness while a map is followed, relative to that of the first round of closest points."""
 BELIEVED = 0.1
-"""Error of a map, in sqrt(area), at which it loses much of its pull."""
+"""Distance to where the map sends a point, in sqrt(area), at which it loses much of its pull."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +69,7 @@ class Schedule:
 
 @dataclass(frozen=True)
 class Fit:
-    """A settled map.
+    """A pose of the source, and how well both surfaces meet in it.
 
     Attributes
     ----------
@@ -79,7 +83,7 @@ class Fit:
     found_back : (m,) float64
         How well each target point found the source.
     strain : float
-        Mean square disagreement of neighbouring nodes, in areas.
+        Mean square disagreement of neighbouring nodes, in units of the area.
     held : float
         Share of the body that holds together, in [0, 1]: the mean of `NodeGraph.held`.
     """
@@ -144,8 +148,8 @@ class Registration:
         cls,
         graph: NodeGraph,
         attachment: Attachment,
-        source: Cloud,
-        target: Cloud,
+        source: CloudInUnits,
+        target: CloudInUnits,
         rows: Int,
         among: Int,
         look_back: Int,
@@ -169,12 +173,18 @@ class Registration:
         return cls(graph, points, normals, hang, target.points, target.normals, among, look_back)
 
     def follow(self, goal: Float, goal_normals: Float, schedule: Schedule) -> Pose:
-        """Deform the source along a map, robustly: what most neighbours agree on wins.
+        """Deform the source along a map; points that their neighbours contradict count less.
 
         Parameters
         ----------
         goal, goal_normals : (n, 3)
             Where the map sends the points and their normals.
+        schedule
+            For its number of rounds and its first stiffness.
+
+        Returns
+        -------
+        Pose
         """
         rotations, positions = local_motions(
             self.points,
@@ -192,7 +202,7 @@ class Registration:
             weight = even * _robust(np.einsum("nd,nd->n", offset, offset), BELIEVED)
             equations = NormalEquations(self.graph, pose, self.points, self.attachment)
             equations.pull(rows, offset, goal_normals, weight, 0 * weight)
-            pose = equations.step(0.2 * schedule.stiffness[0])
+            pose = equations.step(FOLLOW_STIFFNESS * schedule.stiffness[0])
         return pose
 
     def settle(self, pose: Pose, schedule: Schedule, first: int = 0, last: int | None = None) -> Fit:
@@ -204,6 +214,10 @@ class Registration:
         schedule
         first, last
             Rounds of the schedule to run; all by default.
+
+        Returns
+        -------
+        Fit
         """
         everything = np.arange(len(self.points))
         for k in range(first, schedule.rounds if last is None else last):
@@ -222,7 +236,7 @@ class Registration:
         return self.judge(pose)
 
     def judge(self, pose: Pose) -> Fit:
-        """How well both surfaces find each other in a pose."""
+        """The fit of a pose: how well both surfaces find each other in it."""
         here, normals, near, back = self._meet(pose)
         return Fit(
             pose,

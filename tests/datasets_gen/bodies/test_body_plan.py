@@ -5,7 +5,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from datasets_gen import check_mesh, load, load_folder, mirror_map, names, write_collection
-from datasets_gen.bodies.body_plan import build
+from datasets_gen.bodies.body_plan import build_body
 from datasets_gen.checks import edge_face_counts, signed_volume
 from datasets_gen.registry import BUILT_IN
 from tests.datasets_gen.meshes.test_remeshing import smallest_angles
@@ -171,7 +171,7 @@ def test_canonical_points_follow_the_surface():
 @bodies
 @pytest.mark.parametrize("seed", [1])
 def test_other_seeds_give_other_sound_bodies(name, seed):
-    default, body = load(name).reference, build(BUILT_IN[name](seed))
+    default, body = load(name).reference, build_body(BUILT_IN[name](seed))
     rest = body.reference
     assert 10_000 <= len(rest.vertices) <= 15_000
     assert len(rest.vertices) - len(edge_face_counts(rest.faces)) + len(rest.faces) == 2
@@ -189,7 +189,7 @@ def test_other_seeds_give_other_sound_bodies(name, seed):
 def test_building_again_gives_the_same_body_whatever_the_blas_threads(name):
     first = load(name)
     with threadpool_limits(2):
-        second = build(BUILT_IN[name](0))
+        second = build_body(BUILT_IN[name](0))
     assert np.array_equal(first.reference.faces, second.reference.faces)
     for a, b in zip(first.shapes, second.shapes, strict=True):
         assert np.array_equal(a.vertices, b.vertices)

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from datasets_gen.bodies.implicit_surface import (
     Body,
     ellipsoid,
-    frame,
+    part_axes,
     radial_distance,
     smooth_min,
     sweep,
@@ -55,7 +55,7 @@ def test_first_order_distance_matches_its_definition(power):
 
 
 def test_frame_is_right_handed_and_leans_to_the_front():
-    axes = frame((0.3, -1, 0.2), (0, 0, 1))
+    axes = part_axes((0.3, -1, 0.2), (0, 0, 1))
     assert axes @ axes.T == pytest.approx(np.eye(3))
     assert np.linalg.det(axes) == pytest.approx(1)
     assert axes[1] == pytest.approx(unit((0.3, -1, 0.2)))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from datasets_gen import mirror_map
-from datasets_gen.meshes.mirroring import best_reflection, connectivity_mirror, reflect, vertex_normals
+from datasets_gen.meshes.mirroring import best_reflection, connectivity_mirror, reflect
 from tests.datasets_gen.sample_meshes import shape, shuffled, sphere
 
 vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)
@@ -67,11 +67,6 @@ def test_without_symmetric_connectivity_the_nearest_vertex_is_taken():
 
 def test_a_bump_on_one_side_is_no_symmetry():
     assert mirror_map(blob(bump=0.8, mesh=irregular_sphere())) is None
-
-
-def test_normals_of_a_sphere_are_its_points():
-    mesh = sphere(3)
-    assert np.einsum("nd,nd->n", vertex_normals(mesh), mesh.vertices).min() > 0.999
 
 
 def test_symmetric_connectivity_survives_a_pose_that_is_not_symmetric():

@@ -7,8 +7,8 @@ from skimage.measure import marching_cubes
 from datasets_gen.bodies.body_plan import Projector
 from datasets_gen.bodies.implicit_surface import Body, ellipsoid
 from datasets_gen.checks import edge_face_counts, signed_volume, winding_conflicts
-from datasets_gen.meshes.remeshing import Edges, face_normals, remesh
-from tests.datasets_gen.sample_meshes import box, sphere
+from datasets_gen.meshes.remeshing import Edges, remesh
+from tests.datasets_gen.sample_meshes import sphere
 
 RADII = np.array([0.3, 0.4, 0.2])
 BODY = Body((ellipsoid("b", (0, 0, 0), tuple(RADII), blend=0.02),))
@@ -106,10 +106,3 @@ def test_first_face_of_an_edge_runs_along_it():
     for (u, v), face in zip(edges.ends, edges.faces[:, 0], strict=True):
         corners = faces[face].tolist()
         assert corners[(corners.index(u) + 1) % 3] == v
-
-
-def test_face_normals_are_twice_the_area_and_outward():
-    mesh = box()
-    normals = face_normals(mesh.vertices, mesh.faces)
-    assert np.linalg.norm(normals, axis=1) == pytest.approx(2 * mesh.face_areas)
-    assert (np.einsum("nd,nd->n", normals, mesh.vertices[mesh.faces].mean(axis=1)) > 0).all()

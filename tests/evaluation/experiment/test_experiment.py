@@ -4,9 +4,10 @@ import pytest
 
 from datasets_gen import InputError
 from evaluation import preview
-from evaluation.experiment.experiment import Condition, Experiment, presets
-from evaluation.experiment.plan import make_plan, shape_tasks
-from evaluation.experiment.toml import dumps
+from evaluation.experiment.config_sections import ScanCondition
+from evaluation.experiment.experiment import Experiment
+from evaluation.experiment.make_plan import make_plan, shape_tasks
+from evaluation.experiment.presets import presets
 from scanner_sim import ScannerConfig
 
 SMALL = {
@@ -58,7 +59,7 @@ def test_options_of_a_method_stand_beside_its_name():
 def test_presets_are_valid_and_survive_writing(name):
     experiment = Experiment.load(name)
     assert experiment.name == name
-    assert Experiment.from_table(tomllib.loads(dumps(experiment.as_dict()))) == experiment
+    assert Experiment.from_table(tomllib.loads(experiment.to_toml())) == experiment
 
 
 @pytest.mark.parametrize("name", presets())
@@ -141,7 +142,7 @@ def test_folders_are_meant_from_beside_the_file(tmp_path):
 
 
 def test_a_condition_keeps_what_is_not_replaced():
-    base = Condition(threshold=0.4, scanner={"noise": 0.2, "stripes": 10})
+    base = ScanCondition(threshold=0.4, scanner={"noise": 0.2, "stripes": 10})
     found = base.with_values({"scanner.noise": 0.5, "views": 3})
     assert (found.threshold, found.views, found.scanner) == (0.4, 3, {"noise": 0.5, "stripes": 10})
 

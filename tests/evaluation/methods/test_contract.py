@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from datasets_gen import InputError
-from evaluation.methods import METHODS, Cloud, create, find, missing
+from evaluation.methods import METHODS, MethodInput, create, find, missing
 from medial import Diffusion, Matching
 from scanner_sim import sample
 from tests.evaluation.meshes import blob
@@ -25,7 +25,7 @@ MODES = 40
 
 def cloud(name, scan, truth, operators=("medial", "heat", "robust")):
     built = {op: Diffusion.from_points(scan.points, scan.normals, op, MODES) for op in operators}
-    return Cloud(name, scan, built, truth)
+    return MethodInput(name, scan, built, truth)
 
 
 @pytest.fixture(scope="session")

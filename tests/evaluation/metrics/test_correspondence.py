@@ -17,7 +17,7 @@ from evaluation.metrics.correspondence import (
 )
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.mirror_images import closest_barycentrics, mirror_points
-from tests.evaluation.meshes import random_points, sphere
+from tests.evaluation.meshes import as_shape, random_points, sphere
 
 BALL = sphere(3)
 DISTANCE = SurfaceDistance(BALL)
@@ -96,6 +96,14 @@ def test_mirror_images_on_a_symmetric_mesh():
     image = mirror_points(BALL, mirror, cloud)
     assert np.allclose(image.on(BALL), cloud.on(BALL) * [-1, 1, 1], atol=1e-9)
     assert np.allclose(mirror_points(BALL, mirror, image).on(BALL), cloud.on(BALL), atol=1e-9)
+
+
+def test_faces_without_area_are_no_mirror_image():
+    flat = np.array([[[0.0, 0, 0], [1, 0, 0], [1, 0, 0]]])
+    assert np.isnan(closest_barycentrics(flat, np.array([[0.3, 1.0, 0]]))).all()
+    pole = np.vstack([BALL.faces, [[0, 1, 1]]]).astype(np.int32)
+    shape, mirror = as_shape(BALL.vertices, pole), np.arange(len(BALL.vertices))
+    assert np.allclose(mirror_points(shape, mirror, points(200)).on(shape), points(200).on(BALL), atol=1e-9)
 
 
 def test_closest_point_of_a_triangle_against_sampling():

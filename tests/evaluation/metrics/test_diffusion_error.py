@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from datasets_gen import InputError
-from evaluation.metrics.diffusion_error import diffusion_error, interpolation, kernel_of_pairs, time_scales
-from medial import Diffusion
+from evaluation.metrics.diffusion_error import diffusion_error, interpolation, kernel_error, kernel_of_pairs
+from medial import Departures, Diffusion
 from scanner_sim import sample
 from tests.evaluation.meshes import blob
 
@@ -21,10 +21,10 @@ def rest():
 
 def error(rest, cloud, diffusion, **options):
     shape, _, reference = rest
-    from evaluation.running.stages.score import face_normals
+    from datasets_gen.meshes.geometry import face_normals
 
     where = shape.at(cloud.face_ids, cloud.barycentrics)
-    normals = face_normals(shape)[cloud.face_ids]
+    normals = face_normals(shape.vertices, shape.faces)[cloud.face_ids]
     return diffusion_error(reference, diffusion, where, normals, shape.area, pairs=2000, **options)
 
 
@@ -53,13 +53,13 @@ def test_equation_18_against_a_plain_loop(rest):
     shape, _, reference = rest
     cloud, diffusion = build(shape, 500, 3)
     found = error(rest, cloud, diffusion, seed=5)
-    from evaluation.running.stages.score import face_normals
+    from datasets_gen.meshes.geometry import face_normals
 
     carry = interpolation(
         reference.points,
         reference.normals,
         shape.at(cloud.face_ids, cloud.barycentrics),
-        face_normals(shape)[cloud.face_ids],
+        face_normals(shape.vertices, shape.faces)[cloud.face_ids],
     ).toarray()
     x, y = np.random.default_rng(5).integers(len(cloud), size=(2, 2000))
     total = 0.0
@@ -101,13 +101,22 @@ def test_interpolation_is_exact_at_samples_and_does_not_leak_through_a_sheet():
     assert np.abs(on_top @ smooth - at[:, 0]).max() < 0.05
 
 
-def test_times_skip_the_zeros_of_components():
-    times = time_scales(np.array([0, 1e-15, 0.5, 2.0, 8.0]), 5)
-    assert times[0] == pytest.approx(4 * np.log(10) / 8)
-    assert times[-1] == pytest.approx(4 * np.log(10) / 0.5)
-    assert np.allclose(np.diff(np.log(times)), np.log(16) / 4)
-    with pytest.raises(InputError, match="positive"):
-        time_scales(np.zeros(3))
+def test_without_the_area_factor_the_error_keeps_its_unit(rest):
+    """As written: the dimensionless error divided by the area of the reference."""
+    shape, _, _ = rest
+    cloud, diffusion = build(shape, 500, 3)
+    ours, written = (
+        error(rest, cloud, diffusion, departures=each) for each in (Departures(), Departures.none())
+    )
+    assert written.per_time == pytest.approx(ours.per_time / shape.area, rel=1e-12)
+    assert written.eq18_relative == pytest.approx(ours.eq18_relative)
+
+
+def test_kernel_error_falls_with_the_root_of_the_number_of_pairs():
+    here = np.random.default_rng(0).uniform(size=(50, 3))
+    assert kernel_error(np.tile(here, (4, 1)), np.zeros((200, 3))) == pytest.approx(
+        kernel_error(here, np.zeros((50, 3))) / 2
+    )
 
 
 def test_kernel_of_pairs_is_the_kernel(rest):

@@ -50,12 +50,10 @@ def test_what_cannot_be_merged(small, halves, tmp_path, blobs):
 
 
 def test_other_conditions_cannot_be_merged(small, halves, tmp_path):
-    from evaluation.experiment.toml import dumps
-
     store, other = halves(small)["stores"][0], tmp_path / "other"
     other.mkdir()
     experiment = small(scan={"points": 200})
-    (other / "experiment.toml").write_text(dumps(experiment.as_dict()))
+    (other / "experiment.toml").write_text(experiment.to_toml())
     with pytest.raises(InputError, match="differ in 'scan'"):
         merge_results([store.folder, other], tmp_path / "out")
 

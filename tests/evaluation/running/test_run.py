@@ -11,7 +11,7 @@ import pytest
 
 from datasets_gen import InputError
 from evaluation import ResultsStore, preview, run
-from evaluation.experiment.toml import dumps
+from evaluation.results.folder_lock import lock_folder
 from evaluation.results.store import TIMING
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -26,10 +26,10 @@ class Counter:
     """Progress that counts."""
 
     def __init__(self):
-        self.planned, self.reports, self.stored = {}, [], 0
+        self.planned, self.reports, self.stored, self.begun = {}, [], 0, 0
 
     def begin(self, waiting, stored, workers, dashboard):
-        self.planned, self.stored = waiting, stored
+        self.planned, self.stored, self.begun = waiting, stored, self.begun + 1
 
     def advance(self, report):
         self.reports.append(report)
@@ -85,7 +85,7 @@ def test_the_store_stands_by_itself(small, finished):
     eq18 = store.table().query("kind == 'stability'").iloc[-1]
     assert len(store.operator(eq18.source_operator)) == eq18.n_points
     info = store.run_info()
-    assert info["versions"]["numpy"]
+    assert {"numpy", "scipy", "numba", "mitsuba", "drjit", "trimesh", "python"} <= set(info["versions"])
     assert set(info["mitsuba_variants"]) <= {"scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb"}
     assert len(info["mitsuba_variants"]) == 1
     assert info["rows"] == info["rows_planned"] == len(store.table())
@@ -128,18 +128,37 @@ def test_a_result_cut_short_is_made_again(small, finished):
 
 
 def test_preview_of_an_empty_folder(small, tmp_path):
-    found = preview(small(), tmp_path / "none")
-    assert found.waiting == {"shape": 1}
-    assert found.unknown == ("blob",)
+    found = preview(small(), tmp_path / "none", jobs=3)
+    assert found.waiting == {"shape": 1, "scan": 7, "operator": 8, "render": 3, "score": 9, "map": 2}
+    assert (found.rows, found.stored, found.workers) == (9, 0, 3)
+    assert found.poses == {"blob": ("rest", "bent", "curled")}
+    assert found.seconds > 0
     assert not (tmp_path / "none").exists()
+
+
+def test_preview_counts_what_the_run_then_does(small, finished, tmp_path):
+    made = finished(small)
+    before = preview(made["experiment"], tmp_path / "none").waiting
+    assert made["counter"].planned == before
+    assert made["counter"].begun == 1
+    assert len(made["counter"].reports) == sum(before.values())
+    after = preview(made["experiment"], made["store"].folder)
+    assert (after.waiting, after.seconds) == ({}, 0)
+    assert after.stored == sum(before.values())
+
+
+def test_preview_names_data_sets_that_cannot_be_used(small, tmp_path):
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="holds no mesh files"):
+        preview(small(dataset=[{"name": str(tmp_path / "empty")}]), tmp_path / "none")
+    with pytest.raises(InputError, match="seed of 'human' is -1"):
+        preview(small(dataset=[{"name": "human", "options": {"seed": -1}}]), tmp_path / "none")
 
 
 def test_two_runs_cannot_share_a_folder(small, finished):
     made = finished(small)
-    from evaluation.running.locking import lock
-
     with (
-        lock(made["store"].folder),
+        lock_folder(made["store"].folder),
         pytest.raises(InputError, match=f"in use by process {os.getpid()}") as error,
     ):
         run(made["experiment"], made["store"].folder)
@@ -150,6 +169,20 @@ def test_a_folder_of_another_version(small, tmp_path):
     (tmp_path / "run.json").write_text(json.dumps({"format": 0}))
     with pytest.raises(InputError, match="format 0"):
         run(small(), tmp_path)
+
+
+def test_a_table_of_the_previous_format_is_read(small, finished, tmp_path):
+    table = finished(small)["store"].table()
+    old = table.rename(columns={"mirror_check": "flip_decision"})
+    old["flip_decision"] = pd.Series(
+        ["kept", "flipped", "undecided", *[None] * (len(old) - 3)], dtype="string"
+    )
+    old.to_parquet(tmp_path / "table.parquet")
+    (tmp_path / "run.json").write_text(json.dumps({"format": 1}))
+    found = ResultsStore(tmp_path).table()
+    assert found.columns.tolist() == table.columns.tolist()
+    assert found.mirror_check.tolist()[:3] == ["agrees", "overruled", "undecided"]
+    assert found.mirror_check[3:].isna().all()
 
 
 def test_a_folder_that_cannot_be_written(small, tmp_path):
@@ -215,7 +248,7 @@ if __name__ == "__main__":
 def launch(tmp_path, experiment, folder, jobs):
     script, settings = tmp_path / "go.py", tmp_path / "experiment.toml"
     script.write_text(SCRIPT)
-    settings.write_text(dumps(experiment.as_dict()))
+    settings.write_text(experiment.to_toml())
     command = [sys.executable, str(script), str(settings), str(folder), str(jobs)]
     return subprocess.Popen(
         command, env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.PIPE, start_new_session=True

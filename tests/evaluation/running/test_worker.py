@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from datasets_gen import InputError
-from evaluation.experiment.plan import shape_tasks
+from evaluation.experiment.make_plan import shape_tasks
+from evaluation.experiment.tasks import Task
 from evaluation.results.store import ResultsStore
-from evaluation.running.tasks import Task
-from evaluation.running.worker import _Recent, peak_memory, run_task, single_thread, stage_of
+from evaluation.running.worker import _RecentValues, run_task, stage_of
 
 
 @pytest.fixture
@@ -23,6 +23,8 @@ def test_a_task_is_stored_with_what_it_took(tmp_path, shape_task):
     assert record["cpu_seconds"] > 0
     assert record["info"]["poses"] == ["bent", "curled", "rest"]
     assert record["spec"] == shape_task.spec
+    assert record["versions"]["numpy"] == np.__version__
+    assert record["versions"]["python"]
     assert not list((tmp_path / "running").iterdir())
 
 
@@ -91,7 +93,7 @@ def test_roles_name_their_stage():
 
 
 def test_recent_values_are_kept_and_old_ones_let_go():
-    recent, made = _Recent(2), []
+    recent, made = _RecentValues(2), []
 
     def make(name):
         made.append(name)
@@ -102,24 +104,6 @@ def test_recent_values_are_kept_and_old_ones_let_go():
     assert made == ["a", "b", "c"]
     recent.get("b", lambda: make("b"))
     assert made == ["a", "b", "c", "b"]
-
-
-def test_peak_memory_of_a_block():
-    with peak_memory() as small_block:
-        np.ones(1000).sum()
-    with peak_memory() as large_block:
-        np.ones(25_000_000).sum()  # 200 MB
-    if small_block.megabytes is None:
-        pytest.skip("this system does not tell")
-    assert 150 < large_block.megabytes - small_block.megabytes < 260
-
-
-def test_one_thread_for_linear_algebra():
-    from threadpoolctl import threadpool_info
-
-    np.ones((2, 2)) @ np.ones((2, 2))
-    with single_thread():
-        assert {info["num_threads"] for info in threadpool_info() if info["user_api"] == "blas"} <= {1}
 
 
 def test_an_input_that_vanished_is_named(tmp_path):

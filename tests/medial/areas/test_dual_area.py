@@ -3,12 +3,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
 
 from medial import dual_areas, medial_axis, similarity
 from medial.areas.dual_area import EPSILON, calibrated
+from medial.areas.equations import (
+    average_distance,
+    dual_area,
+    incident_area,
+    medial_averages,
+    medial_neighbourhood,
+)
 from medial.areas.hull_triangles import fan_area
-from tests.medial import clouds, slow_medial
+from tests.medial import clouds
 
 
 @pytest.fixture(scope="module")
@@ -18,17 +24,24 @@ def figure():
     return points, normals, phi, *medial_axis(points, normals, phi)
 
 
-def epsilon(points):
-    return EPSILON * cKDTree(points).query(points, k=2)[0][:, 1].mean()
+def written_areas(points, centers, radii, nearest=0):
+    """Eq. 10 and the hulls after it; the nearest points join where asked."""
+    epsilon = EPSILON * average_distance(points)
+    areas = []
+    for i in range(len(points)):
+        near = np.linalg.norm(points - points[i], axis=1).argsort()[1 : nearest + 1]
+        members = np.union1d(medial_neighbourhood(i, centers, epsilon), near)
+        areas.append(dual_area(i, members, points, centers[i], radii[i]))
+    return np.array(areas)
 
 
-def test_medial_axis_equals_slow_version(figure):
+def test_medial_axis_equals_equation_9(figure):
     points, normals, phi, centers, radii = figure
-    slow_centers, slow_radii = slow_medial.medial_axis(points, normals, phi.toarray())
-    some = slow_radii > 0
+    written_centers, written_radii = medial_averages(points, normals, phi.toarray())
+    some = written_radii > 0
     assert some.mean() > 0.9
-    assert centers[some] == pytest.approx(slow_centers[some], abs=1e-9)
-    assert radii[some] == pytest.approx(slow_radii[some], abs=1e-9)
+    assert centers[some] == pytest.approx(written_centers[some], abs=1e-9)
+    assert radii[some] == pytest.approx(written_radii[some], abs=1e-9)
 
 
 def test_sphere_has_one_center():
@@ -70,12 +83,14 @@ def test_without_any_similarity_the_center_is_the_point():
     assert not radii.any()
 
 
-def test_dual_areas_equal_qhull(figure):
+@pytest.mark.parametrize("nearest", [0, 12])
+def test_dual_areas_equal_equation_10(figure, nearest):
     points, _, _, centers, radii = figure
-    slow = slow_medial.dual_areas(points, centers, radii, epsilon(points))
-    some = np.isfinite(slow)
+    written = written_areas(points, centers, radii, nearest)
+    some = np.isfinite(written)
     assert some.mean() > 0.8
-    assert dual_areas(points, centers, radii)[some] == pytest.approx(slow[some], rel=1e-9)
+    found = dual_areas(points, centers, radii, nearest=nearest)
+    assert found[some] == pytest.approx(written[some], rel=1e-9)
 
 
 def test_concave_points_are_projected_to_their_ball():
@@ -83,10 +98,10 @@ def test_concave_points_are_projected_to_their_ball():
     points, normals = clouds.torus(600)
     centers, radii = medial_axis(points, normals, similarity(points, normals))
     facing = np.linalg.norm(points[:, :2], axis=1) < 0.8
-    slow = slow_medial.dual_areas(points, centers, radii, epsilon(points))
+    written = written_areas(points, centers, radii)
     assert facing.any()
-    assert np.isfinite(slow[facing]).all()
-    assert dual_areas(points, centers, radii)[facing] == pytest.approx(slow[facing], rel=1e-9)
+    assert np.isfinite(written[facing]).all()
+    assert dual_areas(points, centers, radii)[facing] == pytest.approx(written[facing], rel=1e-9)
 
 
 @pytest.mark.parametrize("radius", [0.01, 1.0, 50.0])
@@ -124,8 +139,7 @@ def test_calibrated_areas_have_the_median_of_the_surface():
 
 
 def qhull_fan(offsets):
-    area = slow_medial.fan_area(np.concatenate([np.zeros((1, 3)), offsets]), 0)
-    return area
+    return incident_area(np.concatenate([np.zeros((1, 3)), offsets]), 0)
 
 
 @settings(max_examples=150, deadline=None)

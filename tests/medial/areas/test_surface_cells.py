@@ -59,4 +59,3 @@ def test_invariant_to_motion_and_order():
 def test_density_weights_sum_to_the_reference():
     areas = np.random.default_rng(0).uniform(1, 3, 100)
     assert density_weights(areas, 5000).sum() == pytest.approx(5000)
-    assert density_weights(areas, 5000, total_area=2 * areas.sum()).sum() == pytest.approx(2500)

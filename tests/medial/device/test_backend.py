@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from datasets_gen.records import InputError
-from medial import similarity
+from medial import Diffusion, similarity
 from medial.device import backend as devices
-from medial.operator import Operator, build
+from medial.operator import Operator
 from medial.spectrum.modes import smallest_modes
 from tests.medial import clouds
 from tests.medial.spectrum.test_modes import ring
@@ -35,7 +35,7 @@ def no_gpu(monkeypatch):
     "call",
     [
         lambda: similarity(*clouds.sphere(50), device="cuda"),
-        lambda: build(*clouds.body(300), Operator(modes=5, device="cuda")),
+        lambda: Diffusion.from_points(*clouds.body(300), modes=5, device="cuda"),
         lambda: smallest_modes(ring(1300), np.ones(1300), 5, device="cuda"),
     ],
     ids=["similarity", "operator", "modes"],
@@ -81,7 +81,7 @@ def test_drjit_is_not_imported_for_the_processor():
     code = """
 import sys
 import numpy as np
-from medial import similarity
+from medial import Diffusion, similarity
 points = np.random.default_rng(0).normal(size=(50, 3))
 similarity(points, points)
 assert "drjit" not in sys.modules

@@ -2,10 +2,11 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from medial import similarity, surface_areas
+from medial import Departures, similarity, surface_areas
+from medial.laplacian.equations import combined_weights, gaussian, point_cloud_laplacian, weighted_degrees
 from medial.laplacian.weights import NEAREST, combine, degrees, diffusion_rates, gaussian_weights, laplacian
 from medial.sparse import symmetric
-from tests.medial import clouds, slow_medial
+from tests.medial import clouds
 
 
 @pytest.fixture(scope="module")
@@ -27,6 +28,28 @@ def test_gaussian_weights_follow_their_formula():
     assert (alpha != alpha.T).nnz == 0
 
 
+def test_one_bandwidth_without_truncation_is_the_gaussian(weights):
+    """Without the departures, alpha is Eq. 2's; with truncation, its entries above the least weight."""
+    points, areas = clouds.body(400)[0], weights[2]
+    written = gaussian(points, 3 * areas.mean()) - np.eye(400)
+    alpha, bandwidths = gaussian_weights(points, areas, departures=Departures.none())
+    assert alpha.toarray() == pytest.approx(written, rel=1e-12, abs=1e-300)
+    assert bandwidths == pytest.approx(np.full(alpha.nnz, 3 * areas.mean()))
+    only_bandwidth = Departures(adaptive_bandwidth=False)
+    cut = gaussian_weights(points, areas, departures=only_bandwidth).weights.toarray()
+    assert cut == pytest.approx(np.where(written >= 1e-3, written, 0), rel=1e-12)
+
+
+def test_truncation_only_drops_small_weights(weights):
+    """With the adaptive bandwidth, what is kept by default is part of all weights."""
+    points, areas = clouds.body(400)[0], weights[2]
+    every = gaussian_weights(points, areas, departures=Departures(truncation=False)).weights.toarray()
+    kept = weights[1].weights.toarray()
+    assert kept[kept > 0] == pytest.approx(every[kept > 0], rel=1e-12)
+    assert every[kept == 0].max() < 1e-2  # a few of more than 1e-3 lie beyond the 64 nearest points
+    assert (every > 0).sum() > 2 * (kept > 0).sum()
+
+
 def test_no_point_is_isolated():
     points, normals = clouds.sphere(300)
     points[0] *= 5
@@ -43,15 +66,19 @@ def test_gaussian_weights_of_few_points(n):
 
 
 @pytest.mark.parametrize("eta", [0.0, 0.3, 1.0])
-def test_combination_equals_slow_version(weights, eta):
+def test_combination_equals_equation_15(weights, eta):
     phi, alpha, areas = weights
-    slow = slow_medial.combined(phi.toarray(), alpha.weights.toarray(), areas, eta)
-    assert combine(phi, alpha.weights, areas, eta).toarray() == pytest.approx(slow, abs=1e-12)
+    rates = diffusion_rates(alpha.bandwidths, areas.sum(), 5000)
+    entries = csr_array((rates, alpha.weights.indices, alpha.weights.indptr), shape=alpha.weights.shape)
+    for own, factors in ((1.0, 1.0), (rates, entries.toarray())):
+        written = combined_weights(phi.toarray(), alpha.weights.toarray(), areas, eta, factors)
+        assert combine(phi, alpha.weights, areas, eta, own).toarray() == pytest.approx(written, abs=1e-12)
 
 
-def test_normalised_degrees():
+def test_degrees_leave_the_point_itself_out():
     phi, areas = csr_array(np.array([[5.0, 1, 2], [1, 0, 0], [2, 0, 0]])), np.array([1.0, 2, 3])
     assert degrees(phi, areas) == pytest.approx([8, 1, 2])
+    assert weighted_degrees(phi.toarray(), areas) == pytest.approx([8, 1, 2])
 
 
 def test_zero_medial_degree_leaves_the_gaussian_part(weights):
@@ -60,7 +87,7 @@ def test_zero_medial_degree_leaves_the_gaussian_part(weights):
     dense[5], dense[:, 5] = 0, 0
     sigma = combine(csr_array(dense), alpha.weights, areas).toarray()
     assert np.isfinite(sigma).all()
-    assert sigma[5] == pytest.approx(slow_medial.combined(0 * dense, alpha.weights.toarray(), areas, 0.5)[5])
+    assert sigma[5] == pytest.approx(combined_weights(0 * dense, alpha.weights.toarray(), areas)[5])
 
 
 def test_rates_do_not_change_the_reference():
@@ -71,8 +98,7 @@ def test_rates_do_not_change_the_reference():
 def test_laplacian_applies_equation_8(weights):
     phi, _, areas = weights
     f = np.random.default_rng(0).standard_normal(len(areas))
-    dense = phi.toarray()
-    expected = f * (dense @ areas) - dense @ (areas * f)
+    expected = point_cloud_laplacian(f, phi.toarray(), areas)
     assert laplacian(phi, areas) @ f / areas == pytest.approx(expected, abs=1e-12)
 
 

@@ -7,14 +7,14 @@ import pytest
 
 from medial.matching.confidence import RIVAL_TEMPERATURE, confidence_of_fit, confidence_of_residual
 from medial.matching.registration.deformation_graph import NodeGraph
-from medial.matching.registration.direction import Placed
-from medial.matching.registration.refinement import Dense
+from medial.matching.registration.placement import Placement
+from medial.matching.registration.refinement import DenseFit
 
 COORDINATES = np.random.default_rng(0).standard_normal((120, 3)).astype(np.float32)
 GRAPH, ATTACHMENT = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
-SURE = Dense(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
+SURE = DenseFit(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
 SAMPLES = np.arange(0, 120, 2)
-BEST = Placed(COORDINATES[SAMPLES].astype(float), 1.5, 1.4)
+BEST = Placement(COORDINATES[SAMPLES].astype(float), 1.5, 1.4)
 
 
 def confidence(dense, *rivals):
@@ -24,7 +24,7 @@ def confidence(dense, *rivals):
 def rival(loss, samples=slice(None)):
     places = BEST.places.copy()
     places[samples] += 1.0
-    return Placed(places, BEST.score - loss, BEST.merit)
+    return Placement(places, BEST.score - loss, BEST.merit)
 
 
 def test_what_nothing_speaks_against_is_sure():
@@ -38,7 +38,7 @@ def test_each_doubt_counts(name):
 
 
 def test_doubts_multiply():
-    dense = Dense(SURE.match, np.full(120, 0.5), np.full(120, 0.8), np.full(120, 0.9))
+    dense = DenseFit(SURE.match, np.full(120, 0.5), np.full(120, 0.8), np.full(120, 0.9))
     assert np.allclose(confidence(dense), 0.36)
 
 

@@ -7,14 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from medial import Diffusion, MatchConfig, match
-from medial.matching import match as matching
+from medial import Diffusion, match
+from medial.matching import prepared
 from tests.medial.clouds import body, cylinder, planes, rotation, sphere, torus
+from tests.medial.matching.registration.directions import BENT, SMALL
 from tests.medial.posed import bent, common_units, figure
 
-SMALL = MatchConfig(samples=150, times=10, restarts=4, nodes=40, fine_nodes=80, finalists=2)
 MODES = 60
-BENT = (0.9, -0.7)
 
 
 def unit():
@@ -51,7 +50,7 @@ def without_arm():
 
 
 def test_a_search_that_sees_a_part_of_the_points_matches_all(whole, truth, monkeypatch):
-    monkeypatch.setattr(matching, "MOST_POINTS", 300)
+    monkeypatch.setattr(prepared, "MOST_POINTS", 300)
     found = match(figure(), whole[0], SMALL)
     assert len(found.source_to_target) == len(figure())
     assert len(np.unique(found.source_to_target)) > 350
@@ -98,7 +97,7 @@ def test_landmarks_and_restarts_belong_to_the_map(whole):
     assert not found.restarts["paths"].all()
     assert np.array_equal(np.isnan(found.restarts["cost"]), found.restarts["paths"])
     assert np.isfinite(found.restarts["score"]).all()
-    assert found.flip in {"kept", "flipped", "undecided"}
+    assert found.mirror_check in {"agrees", "overruled", "undecided"}
 
 
 def test_a_missing_arm_has_low_confidence(without_arm, truth):
@@ -143,7 +142,7 @@ def test_spheres_end_undecided(operator):
     found = match(source, target, SMALL)
     assert np.isfinite(found.confidence).all()
     assert np.median(found.confidence) < 0.5
-    assert found.flip == "undecided"
+    assert found.mirror_check == "undecided"
 
 
 def test_a_torus_meets_itself_somewhere():

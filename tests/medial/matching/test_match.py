@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from datasets_gen.records import InputError
-from medial import MatchConfig, Matching, extrapolate, match
+from medial import Departures, MatchConfig, extrapolate, match
+from medial.matching.landmarks.candidates import diffusion_sets
+from medial.matching.prepared import prepare_pair
 from tests.medial.matching_shapes import diffusion_of, permuted, unequal_arms
 
 QUICK = {"samples": 150, "times": 12, "restarts": 4}
@@ -50,16 +52,29 @@ def test_extrapolation_from_true_landmarks(shape):
     assert np.array_equal(found.landmarks, landmarks)
 
 
-def test_files_round_trip(shape, tmp_path):
+def test_departures_are_read_by_name():
+    config = MatchConfig.from_dict({"departures": "none"})
+    assert config.departures == Departures.none()
+    assert MatchConfig.from_dict(dataclasses.asdict(config)) == config
+
+
+def test_the_papers_landmarks_are_the_partners_that_equation_16_found(shape):
     _, target = permuted(shape)
-    saved = match(shape, target, MatchConfig.from_dict(QUICK), seed=5)
-    saved.save(tmp_path / "map.npz")
-    loaded = Matching.load(tmp_path / "map.npz")
-    assert np.array_equal(saved.source_to_target, loaded.source_to_target)
-    assert (saved.config, saved.seed, saved.flip) == (loaded.config, loaded.seed, loaded.flip)
-    assert np.array_equal(saved.cost, loaded.cost, equal_nan=True)  # NaN: found by path length
-    assert set(saved.restarts) == set(loaded.restarts)
-    assert loaded.restarts["chosen"].dtype == bool
+    config = dataclasses.replace(MatchConfig.paper(), samples=150, restarts=3)
+    found = match(shape, target, config, seed=1)
+    chosen = found.restarts["chosen"]
+    assert found.landmarks[0, 0] == found.restarts["first"][chosen][0]
+    assert found.landmarks[0, 1] == found.restarts["partner"][chosen][0]
+    pair = prepare_pair(shape, target, config, 1)
+    start = int(np.flatnonzero(pair.source.descriptors.samples == found.landmarks[0, 0])[0])
+    sets = diffusion_sets(pair.source.descriptors, pair.target.descriptors, pair.times, config, [start])
+    assert np.array_equal(found.landmarks, sets[0])
+
+
+def test_only_a_deformation_checks_the_mirror_image(shape):
+    _, target = permuted(shape)
+    config = dataclasses.replace(MatchConfig.paper(), samples=150, restarts=3)
+    assert match(shape, target, config).mirror_check == "unchecked"
 
 
 @pytest.mark.parametrize(
@@ -67,6 +82,7 @@ def test_files_round_trip(shape, tmp_path):
     [
         ({"sample": 3}, "unknown match setting 'sample'"),
         ({"samples": 0}, "samples must be an integer of at least 1, got 0"),
+        ({"departures": {"nonsense": True}}, "unknown departure 'nonsense'"),
         ({"candidates": 1.5}, r"candidates must lie in \(0, 1\], got 1.5"),
     ],
 )

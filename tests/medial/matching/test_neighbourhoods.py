@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from medial.matching.landmarks.samples import diffusion_map, smallest_time
-from medial.matching.neighbourhoods import NEAR, neighbourhoods, piece_radius
+from medial.matching.landmarks.samples import diffusion_map
+from medial.matching.neighbourhoods import TIME, neighbourhoods, piece_radius
+from medial.spectrum.times import shortest_time
 from tests.medial.clouds import rotation
 from tests.medial.posed import figure
 
@@ -31,7 +32,7 @@ def test_units_motion_and_pose_of_the_frame_do_not_matter():
 
 def test_modes_that_are_left_out_change_no_distance():
     cloud, ids = figure(), np.arange(0, len(figure()), 20)
-    time = NEAR * smallest_time(cloud)
+    time = TIME * shortest_time(cloud.eigenvalues)
     found, every = neighbourhoods(cloud)[:, :-3], diffusion_map(cloud, time).astype(np.float32)
     assert found.shape[1] < every.shape[1]
     assert np.allclose(

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from medial.similarity.candidate_ball import candidate_ball, columns, smallest_width
-from tests.medial import clouds, slow_medial
+from medial.similarity.equations import candidate_balls, normal_deviation
+from tests.medial import clouds
 
 
 def ball(p, q, n, m):
@@ -64,15 +65,15 @@ def test_ball_touches_both_points_and_tau_is_twice_each_term(values):
     p, q, n, m = np.array(values).reshape(4, 3)
     n, m = n / np.linalg.norm(n), m / np.linalg.norm(m)
     center, radius, tangency = ball(p, q, n, m)
-    slow = slow_medial.candidate_ball(p, q, n, m)
+    written = candidate_balls(p, q, n, m)
     if radius == 0 or radius > 100:
         return
     assert np.linalg.norm(center - p) == pytest.approx(radius, rel=1e-6)
     assert np.linalg.norm(center - q) == pytest.approx(radius, rel=1e-6)
-    assert slow_medial.tau(p, q, n, m, center, radius) == pytest.approx(
+    assert normal_deviation(p, q, n, m, center, np.array(radius)) == pytest.approx(
         2 * np.sqrt(max(2 - tangency, 0)), abs=1e-5
     )
-    assert (center, radius) == (pytest.approx(slow[0]), pytest.approx(slow[1]))
+    assert (center, radius) == (pytest.approx(written[0]), pytest.approx(written[1]))
 
 
 @settings(max_examples=30, deadline=None)

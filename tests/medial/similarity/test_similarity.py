@@ -6,9 +6,16 @@ import pytest
 from datasets_gen.records import InputError
 from medial import similarity
 from medial.similarity.candidate_ball import smallest_width
-from tests.medial import clouds, slow_medial
+from medial.similarity.equations import similarity_matrix
+from tests.medial import clouds
 
 SINGLE = 5e-6  # what single precision may change in phi
+
+
+def written(points, normals, *, cutoff=1e-6, r_cap=None, **settings):
+    """Eqs. 4-7 with the same cut-off and radius cap."""
+    cap = smallest_width(points) if r_cap is None else r_cap
+    return similarity_matrix(points, normals, cutoff=cutoff, r_cap=cap, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -25,36 +32,36 @@ def phi(figure):
 @pytest.mark.parametrize(
     "settings", [{}, {"cutoff": 1e-3}, {"sigma_e": 9.0, "sigma_t": 1.2}, {"sigma_e": 0.5}]
 )
-def test_equals_brute_force(holes, settings):
+def test_equals_the_equations(holes, settings):
     points, normals = clouds.body(500, holes=holes)
-    fast, slow = similarity(points, normals, **settings), slow_medial.similarity(points, normals, **settings)
+    fast, slow = similarity(points, normals, **settings), written(points, normals, **settings)
     assert np.abs(fast.toarray() - slow).max() < SINGLE
     assert (fast.toarray() > 0).sum() == pytest.approx((slow > 0).sum(), abs=4)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("holes", [0, 8])
-def test_equals_brute_force_at_2000_points(holes):
+def test_equals_the_equations_at_2000_points(holes):
     points, normals = clouds.body(2000, holes=holes)
-    fast, slow = similarity(points, normals), slow_medial.similarity(points, normals)
+    fast, slow = similarity(points, normals), written(points, normals)
     assert np.abs(fast.toarray() - slow).max() < SINGLE
 
 
 @pytest.mark.parametrize("shape", ["torus", "cylinder", "planes"])
-def test_equals_brute_force_on_other_shapes(shape):
+def test_equals_the_equations_on_other_shapes(shape):
     points, normals = getattr(clouds, shape)(400)
     weights = np.random.default_rng(0).uniform(0.2, 3, 400)
     fast = similarity(points, normals, weights=weights).toarray()
-    assert np.abs(fast - slow_medial.similarity(points, normals, weights=weights)).max() < SINGLE
+    assert np.abs(fast - written(points, normals, weights=weights)).max() < SINGLE
 
 
-def test_equals_brute_force_without_structure():
+def test_equals_the_equations_without_structure():
     """Random points and normals: nothing that the culling relies on holds."""
     random = np.random.default_rng(3)
     points, normals = random.standard_normal((300, 3)), random.standard_normal((300, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     fast = similarity(points, normals, sigma_e=20, cutoff=1e-9).toarray()
-    assert np.abs(fast - slow_medial.similarity(points, normals, sigma_e=20, cutoff=1e-9)).max() < SINGLE
+    assert np.abs(fast - written(points, normals, sigma_e=20, cutoff=1e-9)).max() < SINGLE
 
 
 def test_uneven_sampling_and_distant_parts():
@@ -62,7 +69,7 @@ def test_uneven_sampling_and_distant_parts():
     shifted = np.concatenate([points, 0.05 * points[:200] + [30.0, 0, 0]])
     both = np.concatenate([normals, normals[:200]])
     fast = similarity(shifted, both, r_cap=0.6).toarray()
-    assert np.abs(fast - slow_medial.similarity(shifted, both, cap=0.6)).max() < SINGLE
+    assert np.abs(fast - written(shifted, both, r_cap=0.6)).max() < SINGLE
     assert not fast[:400, 400:].any()
 
 

@@ -3,19 +3,21 @@ import numpy as np
 import pytest
 
 from evaluation.results.store import ResultsStore
-from reports.figures.accuracy import error_against_missing, pck
-from reports.figures.correspondence import Cloud, Pair, Panel, correspondence
+from reports.figures.cloud_drawing import DrawnCloud
 from reports.figures.dense_map import dense_map
-from reports.figures.diffusion_error import stability
-from reports.figures.scan_series import ScanView, scans
+from reports.figures.diffusion_error_curves import diffusion_error_curves
+from reports.figures.error_against_missing import error_against_missing
+from reports.figures.method_comparison import MethodPanel, PairPicture, method_comparison
+from reports.figures.pck_curves import pck_curves
+from reports.figures.scan_series import ScanView, scan_series
 from reports.figures.style import method_colors, method_lines, save
 from reports.method_order import METHODS, order_methods
-from reports.tables.leaderboard import plain
+from reports.tables.leaderboard import with_numpy_types
 
 
 @pytest.fixture(scope="module")
 def table(results):
-    return plain(ResultsStore(results).table())
+    return with_numpy_types(ResultsStore(results).table())
 
 
 def cloud(n=60, seed=0):
@@ -30,7 +32,7 @@ def lines(axes):
 
 def test_stability_has_a_panel_per_operator_and_a_line_per_pose(table):
     rows = table[(table["kind"] == "stability") & (table["dataset"] == "blob")]
-    figure = stability(rows)
+    figure = diffusion_error_curves(rows)
     panels = [axes for axes in figure.axes if axes.get_title(loc="left")]
     assert [axes.get_title(loc="left") for axes in panels] == ["medial", "heat"]
     drawn = lines(panels[1])
@@ -45,7 +47,7 @@ def test_stability_has_a_row_per_number_of_views(table):
     rows = table[(table["kind"] == "stability") & (table["dataset"] == "blob")]
     import pandas as pd
 
-    figure = stability(pd.concat([rows, rows.assign(views="ring:4")]))
+    figure = diffusion_error_curves(pd.concat([rows, rows.assign(views="ring:4")]))
     titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
     assert titles == ["medial, 6 views", "heat, 6 views", "medial, ring:4 views", "heat, ring:4 views"]
 
@@ -53,7 +55,7 @@ def test_stability_has_a_row_per_number_of_views(table):
 def test_pck_curves_keep_their_values_and_share_one_legend():
     radii = np.linspace(0, 25, 6)
     curves = {"a": {"heat": radii / 25, "medial": radii / 50}, "b": {"medial": radii / 50}}
-    figure = pck(curves, radii)
+    figure = pck_curves(curves, radii)
     assert np.allclose(lines(figure.axes[0])["heat"].get_ydata(), 4 * radii)
     assert list(lines(figure.axes[1])) == ["medial"]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["medial", "heat"]
@@ -89,7 +91,9 @@ def test_a_long_legend_leaves_the_panels_their_height():
     radii = np.linspace(0, 25, 6)
 
     def panel_height(methods):
-        figure = pck({"a": {f"{k} a method with a long label": radii / 25 for k in range(methods)}}, radii)
+        figure = pck_curves(
+            {"a": {f"{k} a method with a long label": radii / 25 for k in range(methods)}}, radii
+        )
         figure.draw_without_rendering()
         return figure.axes[0].get_position().height * figure.get_figheight()
 
@@ -101,11 +105,11 @@ def test_pairs_show_all_methods(methods):
     points, normals = cloud()
     gray = np.full((len(points), 3), 0.5)
     panel = [
-        Panel(f"method {i}", "mean 1", gray, np.zeros(len(points)), np.array([[0, 1], [2, 3]]))
+        MethodPanel(f"method {i}", "mean 1", gray, np.zeros(len(points)), np.array([[0, 1], [2, 3]]))
         for i in range(methods)
     ]
-    side = Cloud(points, normals, "a pose")
-    figure = correspondence(Pair(side, side, gray, gray, tuple(panel)), height=60)
+    side = DrawnCloud(points, normals, "a pose")
+    figure = method_comparison(PairPicture(side, side, gray, gray, tuple(panel)), height=60)
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     assert [t for t in titles if t.startswith("method")] == [f"method {i}" for i in range(methods)]
     assert len([axes for axes in figure.axes if axes.get_images()]) == 2 + 2 * methods
@@ -117,7 +121,7 @@ def test_pairs_show_all_methods(methods):
 
 def test_maps_without_truth_show_both_clouds_and_confidence():
     points, normals = cloud()
-    side = Cloud(points, normals, "a.npz")
+    side = DrawnCloud(points, normals, "a.npz")
     image = np.r_[-1, np.arange(1, len(points))]
     figure = dense_map(side, side, image, np.linspace(0, 1, len(points)), np.array([[1, 1]]), height=60)
     shown = [axes for axes in figure.axes if axes.get_images()]
@@ -127,13 +131,13 @@ def test_maps_without_truth_show_both_clouds_and_confidence():
 
 def test_scans_have_a_row_per_pose():
     view = ScanView(*cloud(), title="τ = 0.3", note="15 % missing")
-    figure = scans([("rest", [view, view]), ("bent", [view, view])], height=60)
+    figure = scan_series([("rest", [view, view]), ("bent", [view, view])], height=60)
     assert len([axes for axes in figure.axes if axes.get_images()]) == 4
 
 
 def test_figures_are_saved_as_pdf_and_png_twice_the_same(tmp_path):
     def draw():
-        return pck({"a": {"medial": np.linspace(0, 1, 5)}}, np.linspace(0, 25, 5))
+        return pck_curves({"a": {"medial": np.linspace(0, 1, 5)}}, np.linspace(0, 25, 5))
 
     for folder in ("one", "two"):
         save(draw(), tmp_path / folder, "figure")
@@ -145,5 +149,5 @@ def test_figures_are_saved_as_pdf_and_png_twice_the_same(tmp_path):
 
 def test_the_callers_style_is_left_alone():
     before = dict(mpl.rcParams)
-    pck({"a": {"medial": np.linspace(0, 1, 5)}}, np.linspace(0, 25, 5))
+    pck_curves({"a": {"medial": np.linspace(0, 1, 5)}}, np.linspace(0, 25, 5))
     assert {**mpl.rcParams, "backend": None} == {**before, "backend": None}

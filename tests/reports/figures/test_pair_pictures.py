@@ -6,9 +6,9 @@ from matplotlib.colors import to_rgb
 
 from evaluation.results.store import ResultsStore
 from reports.figures.cloud_drawing import ERROR_CAP, carried_colors, error_colors, position_colors
-from reports.figures.pair_pictures import COUNTERPART, PairMaker, note, true_colors
+from reports.figures.pair_pictures import COUNTERPART, PairMaker, error_note, true_colors
 from reports.figures.style import ABSENT
-from reports.tables.leaderboard import plain
+from reports.tables.leaderboard import with_numpy_types
 
 
 def line(n):
@@ -66,13 +66,15 @@ def test_error_colours_darken_and_end_at_the_cap():
 
 
 def test_notes_say_what_matters():
-    assert note({"geodesic_mean": 3.14, "geodesic_median": 2.0, "flipped": 0.0}) == "mean 3.1, median 2.0"
-    assert note({"geodesic_mean": 3.14, "geodesic_median": 2.0, "flipped": 1.0}).endswith("flipped")
+    assert (
+        error_note({"geodesic_mean": 3.14, "geodesic_median": 2.0, "flipped": 0.0}) == "mean 3.1, median 2.0"
+    )
+    assert error_note({"geodesic_mean": 3.14, "geodesic_median": 2.0, "flipped": 1.0}).endswith("flipped")
 
 
 def test_pairs_of_a_store_show_every_method(results):
     store = ResultsStore(results)
-    table = plain(store.table())
+    table = with_numpy_types(store.table())
     rows = table[(table["kind"] == "matching") & (table["dataset"] == "blob") & (table["seed"] == 0)]
     pair = PairMaker(store).make(rows[rows["regime"] == "threshold 0.3"])
     assert [panel.title for panel in pair.panels] == ["medial diffusion", "heat kernel"]

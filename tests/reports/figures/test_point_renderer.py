@@ -3,7 +3,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.figures.point_renderer import INSIDE, best_azimuth, disc_radius, frame, look_from, render_points
+from reports.figures.point_renderer import (
+    INSIDE,
+    best_azimuth,
+    disc_radius,
+    fitted_cameras,
+    look_from,
+    render_points,
+)
 
 
 def plane(n=40, z=0.0):
@@ -36,7 +43,7 @@ def test_the_widest_side_is_shown():
 
 def test_projection_follows_the_image_axes():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    camera = frame([points], FRONT, 100)[0]
+    camera = fitted_cameras([points], FRONT, 100)[0]
     at = camera.project(points)
     assert at[1, 0] - at[0, 0] == pytest.approx(camera.scale)  # right is to the right
     assert at[0, 1] - at[2, 1] == pytest.approx(camera.scale)  # up is upwards
@@ -45,7 +52,7 @@ def test_projection_follows_the_image_axes():
 
 def test_clouds_framed_together_share_one_scale():
     small, large = np.random.default_rng(0).random((2, 50, 3)) * np.array([1, 3])[:, None, None]
-    a, b = frame([small, large], FRONT, 200)
+    a, b = fitted_cameras([small, large], FRONT, 200)
     assert a.scale == b.scale
     assert a.height == b.height == 200
     assert a.width < b.width
@@ -53,7 +60,7 @@ def test_clouds_framed_together_share_one_scale():
 
 def test_a_dense_plane_has_no_gaps_and_the_background_is_transparent():
     points, normals = plane()
-    camera = frame([points], FRONT, 120, margin=0.25)[0]
+    camera = fitted_cameras([points], FRONT, 120, margin=0.25)[0]
     image = render_points(points, normals, np.full((len(points), 3), 0.5), camera)
     assert image.shape == (120, camera.width, 4)
     assert (image[40:80, 40:80, 3] == 255).all()
@@ -63,7 +70,7 @@ def test_a_dense_plane_has_no_gaps_and_the_background_is_transparent():
 def test_the_nearer_point_hides_the_farther_one():
     points = np.array([[0.0, 0, 0], [0, 0, 1], [-1, -1, 0], [1, 1, 0]])
     colors = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1]])
-    camera = frame([points], FRONT, 60)[0]
+    camera = fitted_cameras([points], FRONT, 60)[0]
     normals = np.tile([0.0, 0, 1], (4, 1))
     for order in ([0, 1, 2, 3], [1, 0, 2, 3]):
         image = render_points(points[order], normals[order], colors[order], camera, radius=0.2)
@@ -75,7 +82,7 @@ def test_the_nearer_point_hides_the_farther_one():
 
 def test_the_inner_side_is_greyed():
     points, normals = plane()
-    camera = frame([points], FRONT, 60)[0]
+    camera = fitted_cameras([points], FRONT, 60)[0]
     colors = np.tile([1.0, 0, 0], (len(points), 1))
     outside = render_points(points, normals, colors, camera)[30, 30, :3] / 255
     inside = render_points(points, -normals, colors, camera)[30, 30, :3] / 255
@@ -115,7 +122,7 @@ def test_splats_equal_a_slow_renderer(seed):
 def test_the_same_cloud_gives_the_same_picture():
     rng = np.random.default_rng(3)
     points, normals, colors = rng.normal(size=(3, 300, 3))
-    camera = frame([points], FRONT, 80)[0]
+    camera = fitted_cameras([points], FRONT, 80)[0]
     first, second = (render_points(points, normals, np.abs(colors) % 1, camera) for _ in range(2))
     assert np.array_equal(first, second)
 
@@ -123,7 +130,7 @@ def test_the_same_cloud_gives_the_same_picture():
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_tiny_clouds_are_drawn(n):
     points = np.random.default_rng(n).random((n, 3))
-    camera = frame([points], FRONT, 40)[0]
+    camera = fitted_cameras([points], FRONT, 40)[0]
     assert disc_radius(points) > 0
     image = render_points(points, np.tile([0.0, 0, 1], (n, 1)), np.ones((n, 3)), camera)
     assert image[..., 3].max() == 255

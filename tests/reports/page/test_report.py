@@ -9,8 +9,8 @@ import reports
 from datasets_gen import InputError
 from evaluation.results.store import ResultsStore
 from reports.page.page import headline
-from reports.page.pictures import chosen_pairs, pair_groups, scan_views, spread
-from reports.tables.leaderboard import plain
+from reports.page.pictures import chosen_pairs, evenly_picked, pair_groups, scan_views
+from reports.tables.leaderboard import with_numpy_types
 from tests.reports.conftest import write_results
 
 
@@ -140,7 +140,7 @@ def test_a_folder_without_results_is_refused_in_one_line(tmp_path):
 
 
 def test_pairs_left_out_are_spread_over_data_sets_and_regimes(results):
-    maps = plain(ResultsStore(results).table())
+    maps = with_numpy_types(ResultsStore(results).table())
     maps = maps[maps["kind"] == "matching"]
     assert len(pair_groups(maps)) == 8  # 2 subjects, 2 seeds, 2 thresholds
     assert len(chosen_pairs(maps, None)) == 8
@@ -151,13 +151,13 @@ def test_pairs_left_out_are_spread_over_data_sets_and_regimes(results):
 
 
 def test_scans_are_found_once_each(results):
-    views = scan_views(plain(ResultsStore(results).table()))
+    views = scan_views(with_numpy_types(ResultsStore(results).table()))
     assert len(views) == 2 * 2 * 2  # subjects, poses, thresholds of the first seed
     assert set(views["seed"]) == {0}
 
 
-def test_spread_keeps_both_ends():
-    assert spread([0.3, 0.1, 0.2], 6) == [0.1, 0.2, 0.3]
-    few = spread([i / 20 for i in range(20)], 6)
+def test_an_even_pick_keeps_both_ends():
+    assert evenly_picked([0.3, 0.1, 0.2], 6) == [0.1, 0.2, 0.3]
+    few = evenly_picked([i / 20 for i in range(20)], 6)
     assert len(few) == 6
     assert (few[0], few[-1]) == (0, 0.95)

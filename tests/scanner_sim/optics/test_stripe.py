@@ -17,27 +17,27 @@ def test_wedge_is_the_gaussian_of_the_distance_to_the_sheet():
     """Written out from points and planes, without angles."""
     config = ScannerConfig()
     points = points_before_camera()
-    laser = np.array([config.baseline, 0, 0])
-    r = np.linalg.norm(points - laser, axis=1)
-    where = stripe.sheet(points, config.baseline)
+    eye = np.array([config.baseline, 0, 0])
+    r = np.linalg.norm(points - eye, axis=1)
+    laser = stripe.laser_coordinates(points, config.baseline)
     for theta in (-0.35, -0.2, 0.0):
         normal = np.array([np.cos(theta), 0, -np.sin(theta)])
-        gap = np.abs((points - laser) @ normal)
+        gap = np.abs((points - eye) @ normal)
         sigma = r * np.tan(config.wedge / 2) / np.sqrt(2)
         expected = np.exp(-2 * (gap / sigma) ** 2)
-        expected[np.abs(theta - where.angle) > config.wedge / 2] = 0
-        got = stripe.wedge(theta - where.angle, where.axis / where.distance, config.wedge)
+        expected[np.abs(theta - laser.angle) > config.wedge / 2] = 0
+        got = stripe.wedge(theta - laser.angle, laser.axis_distance / laser.distance, config.wedge)
         assert np.allclose(got, expected)
 
 
 @pytest.mark.parametrize("beam", ["wedge", "gaussian"])
 def test_sweep_holds_every_stripe_that_lights_a_point(beam):
     config = ScannerConfig(beam=beam)
-    where = stripe.sheet(points_before_camera(), config.baseline)
-    swept = stripe.sweep(where, config)
+    laser = stripe.laser_coordinates(points_before_camera(), config.baseline)
+    swept = stripe.swept_stripes(laser, config)
     number = np.arange(config.stripes)
     theta = config.sweep[0] + (number + 0.5) * config.step
-    dense = stripe.light(theta - where.angle[:, None], where, config)
+    dense = stripe.light(theta - laser.angle[:, None], laser, config)
     column = swept.first[:, None] + np.arange(swept.values.shape[1])
     found = np.zeros_like(dense)
     inside = (column >= 0) & (column < config.stripes)
@@ -49,16 +49,16 @@ def test_sweep_holds_every_stripe_that_lights_a_point(beam):
 @pytest.mark.parametrize("beam", ["wedge", "gaussian"])
 def test_fit_of_a_clean_sweep_finds_angle_width_and_height(beam):
     config = ScannerConfig(beam=beam)
-    where = stripe.sheet(points_before_camera(), config.baseline)
-    swept = stripe.sweep(where, config)
+    laser = stripe.laser_coordinates(points_before_camera(), config.baseline)
+    swept = stripe.swept_stripes(laser, config)
     inner = (swept.first > 0) & (swept.first + swept.values.shape[1] < config.stripes)
     assert inner.mean() > 0.8
     found = peak.fit(swept.values)
     angle = config.sweep[0] + (swept.first + found.position + 0.5) * config.step
-    assert np.abs(angle - where.angle)[inner].max() < 1e-6
-    width = stripe.cast_width(where, config)
+    assert np.abs(angle - laser.angle)[inner].max() < 1e-6
+    width = stripe.cast_width(laser, config)
     assert np.abs(found.width * config.step / width - 1)[inner].max() < 2e-3
-    height = 1 if beam == "wedge" else config.beam_waist / stripe.beam_radius(where.distance, config)
+    height = 1 if beam == "wedge" else config.beam_waist / stripe.beam_radius(laser.distance, config)
     assert np.abs(found.peak / height - 1)[inner].max() < 2e-3
 
 
@@ -78,8 +78,10 @@ def test_gaussian_beam_diverges_from_its_waist_and_keeps_its_power():
 
 def test_inverse_square_falloff():
     config = ScannerConfig(falloff="inverse_square")
-    where = stripe.sheet(np.array([[0, 0, config.min_range], [config.baseline, 0, 2 * config.nearest]]), 50.0)
-    assert np.allclose(stripe.falloff(where, config), [1, 0.25])
+    laser = stripe.laser_coordinates(
+        np.array([[0, 0, config.min_range], [config.baseline, 0, 2 * config.nearest]]), 50.0
+    )
+    assert np.allclose(stripe.falloff(laser, config), [1, 0.25])
 
 
 def test_stripes_cover_the_field_of_view_over_the_whole_range():
@@ -87,6 +89,8 @@ def test_stripes_cover_the_field_of_view_over_the_whole_range():
     first, last = config.sweep
     for depth in (config.min_range, 150.0, config.max_range):
         edge = config.half_width * depth
-        corners = stripe.sheet(np.array([[-edge, 0, depth], [edge, 0, depth]]), config.baseline).angle
+        corners = stripe.laser_coordinates(
+            np.array([[-edge, 0, depth], [edge, 0, depth]]), config.baseline
+        ).angle
         assert first - 1e-12 <= corners.min()
         assert corners.max() <= last + 1e-12

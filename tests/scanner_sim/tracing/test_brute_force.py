@@ -11,24 +11,24 @@ from scanner_sim import ScannerConfig, scan
 from scanner_sim.optics import stripe
 from scanner_sim.optics.measurement import intensities
 from scanner_sim.scanner import Rig
-from scanner_sim.tracing import brute_force as bruteforce
+from scanner_sim.tracing import brute_force
 from tests.scanner_sim.conftest import to_shape
 
 
 def synthesised(hits, config, numbers):
     """Noise-free intensities of the lit hits under given stripes, and the angles to the wedge's edge."""
     index = np.flatnonzero(hits.radiance > 0)
-    where = stripe.sheet(hits.points[index], config.baseline)
-    first, values = intensities(hits, index, where, config, np.random.default_rng(0))
+    laser = stripe.laser_coordinates(hits.points[index], config.baseline)
+    first, values = intensities(hits, index, laser, config, np.random.default_rng(0))
     column = numbers - first[:, None]
     inside = (column >= 0) & (column < values.shape[1])
     picked = np.take_along_axis(values, np.clip(column, 0, values.shape[1] - 1), axis=1)
     theta = config.sweep[0] + (numbers + 0.5) * config.step
     return (
         index,
-        where,
+        laser,
         np.where(inside, picked, 0),
-        np.abs(np.abs(theta - where.angle[:, None]) - config.wedge / 2),
+        np.abs(np.abs(theta - laser.angle[:, None]) - config.wedge / 2),
     )
 
 
@@ -39,9 +39,9 @@ def test_synthesis_equals_rendering_every_stripe(torus, each_variant, material):
     rig = Rig(torus, config)
     hits = rig.tracer.view(rig.poses[1])
     numbers = np.arange(50, 80)
-    index, where, synthetic, to_edge = synthesised(hits, config, numbers)
-    rendered = bruteforce.render(rig.tracer, rig.poses[1], hits.pixels[index], numbers)
-    rendered = np.minimum(rendered * where.distance[:, None] ** 2, 1)
+    index, laser, synthetic, to_edge = synthesised(hits, config, numbers)
+    rendered = brute_force.render(rig.tracer, rig.poses[1], hits.pixels[index], numbers)
+    rendered = np.minimum(rendered * laser.distance[:, None] ** 2, 1)
     sure = to_edge > 1e-5  # at the wedge's very edge single precision decides
     rendered, synthetic = rendered * sure, synthetic * sure
     lit = np.linalg.norm(synthetic, axis=1) > 0.05
@@ -57,10 +57,10 @@ def test_smoothing_equals_blurring_the_rendered_images(plate):
     rig = Rig(plate, config)
     hits = rig.tracer.view(rig.poses[0])
     numbers = np.arange(70, 74)
-    index, where, synthetic, _ = synthesised(hits, config, numbers)
+    index, laser, synthetic, _ = synthesised(hits, config, numbers)
     sharp = (
-        bruteforce.render(rig.tracer, rig.poses[0], hits.pixels[index], numbers)
-        * where.distance[:, None] ** 2
+        brute_force.render(rig.tracer, rig.poses[0], hits.pixels[index], numbers)
+        * laser.distance[:, None] ** 2
     )
     column, row = hits.pixels[index].T
     for k in range(len(numbers)):
@@ -103,5 +103,5 @@ def test_one_bounce_has_no_indirect_light(plate):
     config = ScannerConfig(views=((0.3, 0.2, 1.0),), resolution=(24, 24), stripes=60, shading="flat")
     rig = Rig(plate, config)
     hits = rig.tracer.view(rig.poses[0])
-    swept = stripe.sweep(stripe.sheet(hits.points, config.baseline), config)
-    assert (bruteforce.indirect(rig.tracer, rig.poses[0], hits.pixels, swept) == 0).all()
+    swept = stripe.swept_stripes(stripe.laser_coordinates(hits.points, config.baseline), config)
+    assert (brute_force.indirect(rig.tracer, rig.poses[0], hits.pixels, swept) == 0).all()

@@ -4,7 +4,7 @@ import pytest
 from datasets_gen import InputError
 from scanner_sim import MATERIALS, ScannerConfig, scan
 from scanner_sim.scanner import Rig
-from scanner_sim.tracing.rays import Tracer
+from scanner_sim.tracing.tracer import Tracer
 
 SMALL = {"views": 2, "resolution": (60, 60)}
 

@@ -2,14 +2,11 @@ import numpy as np
 import pytest
 
 from medial import MatchConfig
-from medial.matching.landmarks.diffusion_landmarks import (
-    extend,
-    landmark_order,
-    prepare,
-    search_landmarks,
-    shared_times,
-)
-from medial.matching.landmarks.samples import LOG_DECADES, spectral_samples
+from medial.matching.landmarks.descriptors import describe
+from medial.matching.landmarks.diffusion_landmarks import landmark_order, search_landmarks
+from medial.matching.landmarks.extrapolation import extrapolate_landmarks
+from medial.matching.landmarks.samples import spectral_samples
+from medial.spectrum.times import DECADES, logarithmic_times
 from tests.medial.matching_shapes import permuted, unequal_arms
 
 CONFIG = MatchConfig.from_dict({"samples": 60, "times": 7, "candidates": 0.2})
@@ -19,9 +16,9 @@ CONFIG = MatchConfig.from_dict({"samples": 60, "times": 7, "candidates": 0.2})
 def pair():
     source = unequal_arms()
     _, target = permuted(source)
-    times = shared_times(source, target, CONFIG)
+    times = logarithmic_times(source.eigenvalues, target.eigenvalues, count=CONFIG.times)
     samples = [spectral_samples(x, 60, np.random.default_rng(k)) for k, x in enumerate((source, target))]
-    return times, prepare(source, times, samples[0]), prepare(target, times, samples[1])
+    return times, describe(source, times, samples[0]), describe(target, times, samples[1])
 
 
 def slow_heat(diffusion, x, y, times):
@@ -38,7 +35,7 @@ def test_times_follow_the_spectrum(pair):
     times, source, _ = pair
     values = source.diffusion.eigenvalues
     assert len(times) == 7
-    np.testing.assert_allclose(times[[0, -1]], [LOG_DECADES / values[-1], LOG_DECADES / values[1]])
+    np.testing.assert_allclose(times[[0, -1]], [DECADES / values[-1], DECADES / values[1]])
     np.testing.assert_allclose(np.diff(np.log(times)), np.log(times[1] / times[0]))
 
 
@@ -58,7 +55,7 @@ def test_heat_is_equation_13_over_the_trace(pair):
 def test_gone_modes_are_zero_not_subnormal(pair):
     """Products with subnormal numbers are many times slower."""
     times, source, _ = pair
-    late = prepare(source.diffusion, times * np.geomspace(1, 30, len(times)), source.samples)
+    late = describe(source.diffusion, times * np.geomspace(1, 30, len(times)), source.samples)
     exact = np.exp(-np.outer(source.diffusion.eigenvalues, times * np.geomspace(1, 30, len(times))))
     smallest = np.finfo(np.float32).tiny
     assert ((exact > 0) & (exact < smallest)).any()
@@ -96,11 +93,11 @@ def test_search_is_equation_16(pair):
     assert found.tolist() == slow_search(source, target, order, times)
 
 
-def test_extend_is_equation_17(pair):
+def test_extrapolation_is_equation_17(pair):
     times, source, target = pair
     landmarks = np.array([[4, 100], [300, 20]])
     rows = np.array([0, 77, 250])
-    index, residual = extend(source, target, landmarks, rows)
+    index, residual = extrapolate_landmarks(source, target, landmarks, rows)
     everything = range(len(target.diffusion))
     for k, p in enumerate(rows):
         total = np.zeros(len(target.diffusion))

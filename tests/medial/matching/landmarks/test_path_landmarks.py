@@ -1,15 +1,13 @@
-"""Medial path lengths, the landmark sets that agree in them, and two clouds in common units."""
-
-from dataclasses import replace
+"""Medial path lengths, and the landmark sets that agree in them."""
 
 import numpy as np
 import pytest
 
 from medial import Diffusion
-from medial.matching.common_units import GROSS, Cloud, common_units, farthest_order, relative_scale, sizes
+from medial.matching.common_units import CloudInUnits, common_units
 from medial.matching.landmarks.medial_paths import CHANGED, FAR, MedialPaths, path_distortion
-from medial.matching.landmarks.path_landmarks import NONE, SearchConfig, landmark_sets, spread
-from tests.medial.clouds import body, cylinder, rotation, sphere
+from medial.matching.landmarks.path_landmarks import NONE, SearchConfig, extrapolate_by_paths, landmark_sets
+from tests.medial.clouds import body, cylinder
 from tests.medial.matching_shapes import lobes
 from tests.medial.posed import bent, figure, left_arm, legs, right_arm
 
@@ -38,7 +36,7 @@ def paths(cloud):
 
 def tube(n=800, radius=0.3, length=2.0):
     points, normals = cylinder(n, radius, length)
-    return Cloud(points, normals, points - radius * normals, np.full(n, radius))
+    return CloudInUnits(points, normals, points - radius * normals, np.full(n, radius))
 
 
 def test_path_lengths_are_a_metric(paths):
@@ -65,7 +63,7 @@ def test_bending_leaves_path_lengths_alone(cloud, paths):
     unit = np.linalg.norm(figure().points[0]) / np.linalg.norm(cloud.points[0])
     points, normals = bent(figure().points, figure().normals, 1.2)
     centers = bent(figure().centers, figure().normals, 1.2)[0]
-    posed = MedialPaths.of(Cloud(points / unit, normals, centers / unit, cloud.radii), 300)
+    posed = MedialPaths.of(CloudInUnits(points / unit, normals, centers / unit, cloud.radii), 300)
     both, here, there = np.intersect1d(paths.nodes, posed.nodes, return_indices=True)
     assert len(both) > 50
     before, after = (p.lengths[np.ix_(k, k)] for p, k in ((paths, here), (posed, there)))
@@ -105,7 +103,7 @@ def test_two_components_are_joined():
     one = tube(300)
     both = [np.concatenate([x, x + np.array([3.0, 0, 0])]) for x in (one.points, one.centers)]
     normals = np.tile(one.normals, (2, 1))
-    paths = MedialPaths.of(Cloud(both[0], normals, both[1], np.full(600, 0.3)), 200)
+    paths = MedialPaths.of(CloudInUnits(both[0], normals, both[1], np.full(600, 0.3)), 200)
     assert np.isfinite(paths.lengths).all()
     right = paths.nodes >= 300
     assert paths.lengths[right][:, ~right].min() > 2
@@ -178,7 +176,7 @@ def test_a_landmark_without_counterpart_has_no_partner():
 
 def test_identical_landmarks_spread_to_the_identity(paths):
     landmarks = paths.far_apart(9)
-    assert np.array_equal(spread(paths, paths, landmarks, landmarks), np.arange(300))
+    assert np.array_equal(extrapolate_by_paths(paths, paths, landmarks, landmarks), np.arange(300))
 
 
 def test_landmarks_spread_to_other_numbers_of_the_same_nodes(paths):
@@ -187,7 +185,7 @@ def test_landmarks_spread_to_other_numbers_of_the_same_nodes(paths):
     lengths = paths.lengths[np.ix_(shuffle, shuffle)]
     other = MedialPaths(paths.nodes[shuffle], lengths, paths.radii[shuffle], back[paths.nearest])
     landmarks = paths.far_apart(9)
-    assert np.array_equal(spread(paths, other, landmarks, back[landmarks]), back)
+    assert np.array_equal(extrapolate_by_paths(paths, other, landmarks, back[landmarks]), back)
 
 
 def test_landmarks_without_partner_do_not_count(paths):
@@ -195,95 +193,5 @@ def test_landmarks_without_partner_do_not_count(paths):
     partners = landmarks.copy()
     partners[[2, 5]] = NONE
     kept = partners != NONE
-    expected = spread(paths, paths, landmarks[kept], landmarks[kept])
-    assert np.array_equal(spread(paths, paths, landmarks, partners), expected)
-
-
-def test_farthest_order_is_greedy(cloud):
-    points = cloud.points
-    order = farthest_order(points, 40)
-    gap = np.linalg.norm(points - points[order[0]], axis=1)
-    for point in order[1:]:
-        assert point == gap.argmax()
-        gap = np.minimum(gap, np.linalg.norm(points - points[point], axis=1))
-    assert sorted(farthest_order(points[:30], 100)) == list(range(30))
-
-
-def test_farthest_order_starts_farthest_from_the_mean(cloud):
-    points = cloud.points
-    expected = np.linalg.norm(points - points.mean(axis=0), axis=1).argmax()
-    assert farthest_order(points, 40)[0] == expected
-
-
-def test_farthest_order_does_not_depend_on_the_order_of_points(cloud):
-    shuffle = np.random.default_rng(0).permutation(len(cloud))
-    assert np.array_equal(
-        shuffle[farthest_order(cloud.points[shuffle], 40)], farthest_order(cloud.points, 40)
-    )
-
-
-def scaled(n, seed, factor):
-    points, normals = body(n, seed)
-    return Diffusion.from_points(factor * points @ rotation(seed).T, normals @ rotation(seed).T, modes=40)
-
-
-@pytest.mark.parametrize("factor", [1000.0, 0.01])
-def test_other_units_are_recognized(factor):
-    assert relative_scale(figure(), scaled(500, 1, factor)) * factor == pytest.approx(1, rel=0.1)
-
-
-@pytest.mark.parametrize("factor", [0.85, 1.0, 1.2])
-def test_small_differences_of_size_are_kept(factor):
-    assert relative_scale(figure(), scaled(500, 1, factor)) == 1
-
-
-def test_surface_operators_compare_area_and_extent():
-    flat = replace(figure(), radii=np.zeros(len(figure())), operator="robust")
-    large = replace(flat, points=10 * flat.points, areas=100 * flat.areas)
-    assert relative_scale(flat, large) == pytest.approx(0.1)
-
-
-@pytest.mark.parametrize("factor", [0.25, 4.0])
-@pytest.mark.parametrize("wrong", [["areas"], ["radii"], ["areas", "radii"]])
-def test_estimates_that_disagree_do_not_change_the_units(wrong, factor):
-    """Balls that span two legs have large radii, and half a surface has half the area."""
-    off = replace(figure(), **{name: getattr(figure(), name) * factor for name in wrong})
-    assert relative_scale(figure(), off) == 1
-    assert relative_scale(off, figure()) == 1
-
-
-def test_part_of_a_body_keeps_its_units():
-    """Area and extent shrink together; the radii tell."""
-    points, normals = body(500, 1)
-    upper = points[:, 2] > 0.2
-    part = Diffusion.from_points(points[upper], normals[upper], modes=40)
-    radius, side, spread = np.divide(sizes(figure()), sizes(part))
-    assert radius == pytest.approx(1, rel=0.05)
-    assert min(side, spread) > GROSS
-    assert relative_scale(figure(), part) == 1
-
-
-def test_sizes_of_a_ball():
-    points, normals = sphere(1000, 2.0)
-    radius, side, spread = sizes(Diffusion.from_points(points, normals, modes=10))
-    assert radius == pytest.approx(2, rel=0.02)
-    assert side == pytest.approx(np.sqrt(16 * np.pi), rel=0.02)
-    assert spread == pytest.approx(2, rel=1e-3)
-
-
-def test_common_units_are_those_of_the_larger_area():
-    small = figure()
-    points, normals = body(500, 1)
-    half = points[:, 2] > -0.2
-    other = Diffusion.from_points(1000 * points[half], normals[half], modes=40)
-    here, there = common_units(small, other)
-    unit = np.sqrt(small.areas.sum())
-    assert np.allclose(here.points * unit, small.points)
-    assert np.allclose(here.radii * unit, small.radii)
-    factor = unit * relative_scale(other, small)  # of the other's points, in its own units
-    assert np.allclose(there.points * factor, other.points)
-    assert np.allclose(there.centers * factor, other.centers)
-    again, first = common_units(other, small)
-    assert np.ptp(again.points, axis=0) == pytest.approx(np.ptp(there.points, axis=0), rel=1e-9)
-    assert np.ptp(first.points, axis=0) == pytest.approx(np.ptp(here.points, axis=0), rel=1e-9)
-    assert here.features.shape == (len(small), 6)
+    expected = extrapolate_by_paths(paths, paths, landmarks[kept], landmarks[kept])
+    assert np.array_equal(extrapolate_by_paths(paths, paths, landmarks, partners), expected)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from medial.matching.landmarks.rigid_starts import axis_rotations, principal_axes, rigid_poses
-from medial.matching.match import Pair
+from medial.matching.registration.placement import place
 from tests.medial.clouds import rotation
-from tests.medial.matching.test_default_match import BENT, SMALL
-from tests.medial.posed import Setup, bent_figure, figure
+from tests.medial.matching.registration.directions import Directions
+from tests.medial.posed import Setup, figure
 
 
 @pytest.fixture(scope="module")
@@ -51,8 +51,7 @@ def test_every_pose_is_rigid(graph):
 
 
 def test_the_pose_is_found_without_landmarks():
-    pair = Pair(figure(), bent_figure(*BENT), SMALL, 0)
-    truth = pair.ends[1].cloud.points[pair.ends[0].side.samples]  # target points have the source's order
-    for way in pair.ways:
-        best = max(way.from_rigid(), key=lambda fit: fit.score)
-        assert np.linalg.norm(way.placed(best).places - truth, axis=1).mean() < 0.03
+    directions = Directions()
+    for direction in directions.all:
+        best = max(direction.from_rigid_motions(), key=lambda fit: fit.score)
+        assert np.linalg.norm(place(best).places - directions.true_places, axis=1).mean() < 0.03

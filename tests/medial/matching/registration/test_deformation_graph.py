@@ -9,19 +9,22 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from medial.matching.registration import kernels as kernels
+from medial.matching.registration.banded_cholesky import cholesky_solve
+from medial.matching.registration.closest_points import meeting, nearest_of_few
 from medial.matching.registration.deformation_graph import (
     BEND,
     SHARED,
     Attachment,
     NodeGraph,
-    NormalEquations,
     Pose,
     attach,
     moved,
     shares,
-    solve,
 )
+from medial.matching.registration.energy_terms import add_points, add_pulls
+from medial.matching.registration.normal_equations import NormalEquations, solve
+from medial.matching.registration.rigid_motions import LARGEST_TURN, local_motions, turned
+from medial.matching.registration.strongest_paths import strongest_paths
 from tests.medial.clouds import rotation
 from tests.medial.posed import bent, figure, rest_pose, rigid_pose, turns
 
@@ -125,10 +128,10 @@ def pulled(seed=1):
 
 def normal_equations(points, graph, attachment, pose, offset, normals, even, along):
     metric, force = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
-    kernels.add_pulls(metric, force, np.arange(len(points)), offset, normals, even, along)
+    add_pulls(metric, force, np.arange(len(points)), offset, normals, even, along)
     system, right = np.zeros((6 * len(graph), 6 * len(graph))), np.zeros(6 * len(graph))
     nodes, weights, turn = attachment.nodes, attachment.weights, pose.rotations
-    kernels.add_points(system, right, points, nodes, weights, graph.rest, turn, metric, force)
+    add_points(system, right, points, nodes, weights, graph.rest, turn, metric, force)
     return system, right
 
 
@@ -138,7 +141,7 @@ def test_pulls_on_one_point_add_up():
     offset, normals = random.standard_normal((2, 4, 3))
     even, along = random.uniform(0, 1, (2, 4))
     metric, force = np.zeros((3, 3, 3)), np.zeros((3, 3))
-    kernels.add_pulls(metric, force, rows, offset, normals, even, along)
+    add_pulls(metric, force, rows, offset, normals, even, along)
     for j in range(3):
         terms = [e * np.eye(3) + a * np.outer(n, n) for e, a, n in zip(even, along, normals, strict=True)]
         mine = np.flatnonzero(rows == j)
@@ -150,19 +153,19 @@ def test_pulls_on_one_point_add_up():
 def test_nearest_of_few_is_that_of_a_tree(places, goals):
     random = np.random.default_rng(places)
     x, y = random.standard_normal((places, 6)), random.standard_normal((goals, 6))
-    assert np.array_equal(kernels.nearest_of_few(x, y), cKDTree(x).query(y)[1])
+    assert np.array_equal(nearest_of_few(x, y), cKDTree(x).query(y)[1])
 
 
 def test_of_equally_near_places_the_first_is_taken():
     place = np.ones((1, 6))
-    assert np.array_equal(kernels.nearest_of_few(np.tile(place, (4, 1)), 2 * place), [0])
+    assert np.array_equal(nearest_of_few(np.tile(place, (4, 1)), 2 * place), [0])
 
 
 def test_meeting():
     random = np.random.default_rng(0)
     points, goals, normals, goal_normals = random.standard_normal((4, 50, 3))
     goal_normals[0] = 3 * normals[0]
-    square, cosine = kernels.meeting(points, normals, goals, goal_normals)
+    square, cosine = meeting(points, normals, goals, goal_normals)
     assert np.allclose(square, np.linalg.norm(points - goals, axis=1) ** 2)
     expected = np.clip((normals * goal_normals).sum(axis=1), 0, 1)
     assert (expected == 0).any()
@@ -226,8 +229,8 @@ def test_system_of_the_edges_is_that_of_gauss_and_newton():
 def test_values_spread_over_the_nodes():
     points, _, attachment = blob(200, 12)
     rows = np.arange(0, 200, 3)
-    assert np.allclose(attachment.spread(rows, np.full(len(rows), 0.7)), 0.7)
-    along = attachment.spread(rows, points[rows, 0])
+    assert np.allclose(attachment.smoothed(rows, np.full(len(rows), 0.7)), 0.7)
+    along = attachment.smoothed(rows, points[rows, 0])
     assert np.corrcoef(along, points[:, 0])[0, 1] > 0.9
     assert along.min() >= points[rows, 0].min()
     assert along.max() <= points[rows, 0].max()
@@ -238,7 +241,7 @@ def test_the_cholesky_solution_is_that_of_the_lower_triangle(size):
     random = np.random.default_rng(size)
     factor, right = random.standard_normal((size + 5, size)), random.standard_normal(size)
     system = factor.T @ factor + np.eye(size)
-    found = kernels.cholesky_solve(np.tril(system) + np.triu(random.standard_normal((size, size)), 1), right)
+    found = cholesky_solve(np.tril(system) + np.triu(random.standard_normal((size, size)), 1), right)
     assert np.allclose(found, np.linalg.solve(system, right), rtol=1e-10)
 
 
@@ -248,9 +251,7 @@ def test_the_cholesky_solution_of_a_banded_system(width):
     rows, columns = np.indices((90, 90))
     band = np.where((rows - columns >= 0) & (rows - columns <= width), random.standard_normal((90, 90)), 0)
     system, right = band @ band.T + np.eye(90), random.standard_normal(90)
-    assert np.allclose(
-        kernels.cholesky_solve(system.copy(), right), np.linalg.solve(system, right), rtol=1e-9
-    )
+    assert np.allclose(cholesky_solve(system.copy(), right), np.linalg.solve(system, right), rtol=1e-9)
 
 
 def test_nodes_are_numbered_along_the_body():
@@ -300,10 +301,10 @@ def test_turns_are_those_of_scipy_up_to_the_largest():
     vectors = random.standard_normal((50, 3)) * 0.5
     vectors[0] = 0
     length = np.linalg.norm(vectors, axis=1)
-    assert (length > kernels.LARGEST_TURN).any()
-    capped = vectors * np.minimum(1, kernels.LARGEST_TURN / np.maximum(length, 1e-9))[:, None]
+    assert (length > LARGEST_TURN).any()
+    capped = vectors * np.minimum(1, LARGEST_TURN / np.maximum(length, 1e-9))[:, None]
     expected = Rotation.from_rotvec(capped).as_matrix() @ before
-    assert np.allclose(kernels.turned(before, vectors), expected)
+    assert np.allclose(turned(before, vectors), expected)
 
 
 def wide(attachment, points, graph):
@@ -324,13 +325,13 @@ def test_local_motions_find_a_rigid_motion(outliers):
     goal = points @ turn.T + shift
     wrong = random.uniform(size=len(points)) < outliers
     goal[wrong] += random.uniform(-2, 2, (wrong.sum(), 3))
-    turned, placed = kernels.local_motions(
+    rotations, placed = local_motions(
         points, normals, goal, normals @ turn.T, *wide(attachment, points, graph), graph.rest, 0.1, 0.01
     )
     tolerance = 1e-9 if outliers == 0 else 0.02
-    assert np.abs(turned - turn).max() < tolerance
+    assert np.abs(rotations - turn).max() < tolerance
     assert np.abs(placed - (graph.rest @ turn.T + shift)).max() < tolerance
-    assert np.allclose(np.linalg.det(turned), 1)
+    assert np.allclose(np.linalg.det(rotations), 1)
 
 
 def test_weights_are_shares():
@@ -459,4 +460,4 @@ def test_the_strongest_path_is_as_strong_as_its_weakest_edge(count, size, seed):
         best[i, j] = best[j, i] = max(best[i, j], value)
     for k in range(count):
         best = np.maximum(best, np.minimum(best[:, k : k + 1], best[k]))
-    assert np.array_equal(kernels.strongest_paths(count, edges, strength), best)
+    assert np.array_equal(strongest_paths(count, edges, strength), best)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from medial.matching.registration.exchange import SAME_FIT, Exchange, distinct, recombine
+from medial.matching.registration.exchange import SAME_FIT, ExchangeLimits, distinct, exchange_parts
 from medial.matching.registration.registration import Schedule
 from tests.medial.posed import Setup, bent_figure, error, left_arm, legs, mapped, right_arm
 
@@ -41,7 +41,7 @@ def fits(setup):
 )
 def test_two_maps_with_different_limbs_wrong_make_a_right_one(setup, fits, first, second):
     parents = [fits[first], fits[second]]
-    pool = recombine(setup.registration, parents, Exchange())
+    pool = exchange_parts(setup.registration, parents, ExchangeLimits())
     assert min(error(setup, parent, *BENT).mean() for parent in parents) > 0.04
     assert error(setup, pool[0], *BENT).mean() < 0.01
     assert pool[0].score > max(parent.score for parent in parents) + 0.1
@@ -49,7 +49,7 @@ def test_two_maps_with_different_limbs_wrong_make_a_right_one(setup, fits, first
 
 
 def test_the_pool_is_distinct_and_sorted(setup, fits):
-    pool = recombine(setup.registration, list(fits.values()), Exchange(donors=3))
+    pool = exchange_parts(setup.registration, list(fits.values()), ExchangeLimits(donors=3))
     scores = [fit.score for fit in pool]
     assert 1 < len(pool) <= 3
     assert scores == sorted(scores, reverse=True)
@@ -62,16 +62,16 @@ def test_the_pool_is_distinct_and_sorted(setup, fits):
 def test_parents_are_left_as_they_are(setup, fits):
     parents = [fits["right arm"], fits["legs"]]
     before = [parent.pose.positions.copy() for parent in parents]
-    recombine(setup.registration, parents, Exchange(rounds=1))
+    exchange_parts(setup.registration, parents, ExchangeLimits(rounds=1))
     for parent, positions in zip(parents, before, strict=True):
         assert np.array_equal(parent.pose.positions, positions)
 
 
 def test_nothing_is_exchanged_without_rounds_or_rivals(setup, fits):
     wrong = [fits["right arm"], fits["legs"]]
-    unchanged = recombine(setup.registration, wrong, Exchange(rounds=0))
+    unchanged = exchange_parts(setup.registration, wrong, ExchangeLimits(rounds=0))
     assert {id(fit) for fit in unchanged} == {id(fit) for fit in wrong}
-    alone = recombine(setup.registration, [fits["legs"]], Exchange())
+    alone = exchange_parts(setup.registration, [fits["legs"]], ExchangeLimits())
     assert len(alone) == 1
     assert alone[0] is fits["legs"]
 

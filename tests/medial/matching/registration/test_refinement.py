@@ -1,24 +1,23 @@
-"""From a pose to a dense map, and spectral refinement."""
-
-from dataclasses import replace
+"""From a pose to a dense map."""
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from medial.matching.common_units import MOST_POINTS, farthest_order
+from datasets_gen.points.farthest import farthest_from_mean
+from medial.matching.common_units import MOST_POINTS
 from medial.matching.landmarks.samples import spectral_samples
 from medial.matching.neighbourhoods import neighbourhoods
 from medial.matching.registration.deformation_graph import NodeGraph
-from medial.matching.registration.refinement import FineDeformation, spectral_refinement
+from medial.matching.registration.refinement import FineDeformation
 from tests.medial.clouds import rotation
-from tests.medial.posed import bent, bent_figure, common_units, figure, rest_pose, rigid_pose
+from tests.medial.posed import bent_figure, common_units, figure, rest_pose, rigid_pose
 
 
 def fine(target, nodes=80, seen=MOST_POINTS):
     here, there = common_units(figure(), target)
     samples = spectral_samples(figure(), 250, np.random.default_rng(0))
-    covers = tuple(farthest_order(cloud.points, seen) for cloud in (here, there))
+    covers = tuple(farthest_from_mean(cloud.points, seen) for cloud in (here, there))
     return FineDeformation(here, there, covers, neighbourhoods(figure()), samples, nodes)
 
 
@@ -121,52 +120,6 @@ def test_what_moved_away_is_not_found(same):
     assert tip.any()
     assert found[tip].max() < 0.2
     assert np.allclose(found[figure().points[:, 0] < 0], 1)
-
-
-@pytest.fixture(scope="module")
-def spectrum():
-    return figure(modes=100)
-
-
-def test_spectral_refinement_keeps_the_identity(spectrum):
-    identity = np.arange(len(spectrum))
-    assert np.array_equal(spectral_refinement(spectrum, spectrum, identity), identity)
-
-
-def noisy(points, size):
-    """The identity with an error."""
-    return cKDTree(points).query(points + np.random.default_rng(0).normal(0, size, points.shape))[1]
-
-
-@pytest.mark.parametrize("companion", [False, True])
-def test_spectral_refinement_repairs_a_noisy_identity(spectrum, companion):
-    surface = replace(spectrum, operator="robust") if companion else None
-    diffusion = replace(spectrum, surface=surface)
-    start = noisy(diffusion.points, 0.1)
-    end = spectral_refinement(diffusion, diffusion, start)
-    before, after = (
-        np.linalg.norm(diffusion.points[m] - diffusion.points, axis=1).mean() for m in (start, end)
-    )
-    assert before > 0.1
-    assert after < before / 4
-
-
-def test_more_modes_than_there_are_end_the_refinement(spectrum):
-    start = noisy(spectrum.points, 0.1)
-    assert np.array_equal(spectral_refinement(spectrum, spectrum, start, (101, 150)), start)
-    few = spectral_refinement(spectrum, spectrum, start, (20, 40))
-    assert np.array_equal(spectral_refinement(spectrum, spectrum, start, (20, 40, 101)), few)
-    assert not np.array_equal(few, start)
-
-
-def test_spectral_refinement_of_two_poses():
-    """A pose changes the spectrum a little; the map from one basis to the other is found along the way."""
-    points, normals = bent(figure().points, figure().normals, 0.6)
-    posed = type(figure()).from_points(points, normals, modes=60)
-    start = noisy(figure().points, 0.08)
-    end = spectral_refinement(figure(), posed, start, (20, 30, 40, 55))
-    before, after = (np.linalg.norm(points[m] - points, axis=1).mean() for m in (start, end))
-    assert after < 0.7 * before
 
 
 def test_the_inverse_undoes_the_map():

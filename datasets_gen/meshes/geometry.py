@@ -1,0 +1,104 @@
+"""Normals, areas and winding numbers of triangle meshes, from arrays of vertices and faces.
+
+trimesh has the same normals up to rounding (tested), but sums in another order, which would change the last
+bits of bodies and scans; it has no winding number.
+"""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def unit_vectors(vectors: Array) -> Array:
+    """Vectors (..., 3) scaled to length 1; zero vectors stay zero."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0, length, 1)
+
+
+def scaled_face_normals(vertices: Array, faces: NDArray[np.integer]) -> Array:
+    """Outward normals of the faces with a length of twice their area.
+
+    Parameters
+    ----------
+    vertices : (v, 3)
+    faces : (f, 3)
+
+    Returns
+    -------
+    (f, 3) float64
+    """
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def face_normals(vertices: Array, faces: NDArray[np.integer]) -> Array:
+    """Outward unit normals of the faces; zero for a face without area.
+
+    Parameters
+    ----------
+    vertices : (v, 3)
+    faces : (f, 3)
+
+    Returns
+    -------
+    (f, 3) float64
+    """
+    return unit_vectors(scaled_face_normals(vertices, faces))
+
+
+def face_areas(vertices: Array, faces: NDArray[np.integer]) -> Array:
+    """Areas of the faces (f,), in squared units of the vertices (v, 3)."""
+    return 0.5 * np.linalg.norm(scaled_face_normals(vertices, faces), axis=1)
+
+
+def vertex_normals(
+    vertices: Array, faces: NDArray[np.integer], weighting: Literal["angle", "area"] = "angle"
+) -> Array:
+    """Outward unit normals of the vertices: weighted means of the normals of their faces.
+
+    Parameters
+    ----------
+    vertices : (v, 3)
+    faces : (f, 3)
+    weighting
+        ``"angle"``: a face counts with its angle at the vertex, whatever the triangulation [Thuermer &
+        Wuethrich 1998]. ``"area"``: with its area, which is cheaper.
+
+    Returns
+    -------
+    (v, 3) float64
+        Zero for a vertex without faces.
+    """
+    total = np.zeros((len(vertices), 3))
+    if weighting == "area":
+        scaled = scaled_face_normals(vertices, faces)
+        for k in range(3):
+            np.add.at(total, faces[:, k], scaled)
+        return unit_vectors(total)
+    corners, normals = vertices[faces], face_normals(vertices, faces)
+    for k in range(3):
+        a = corners[:, (k + 1) % 3] - corners[:, k]
+        b = corners[:, (k + 2) % 3] - corners[:, k]
+        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("fd,fd->f", a, b))
+        for d in range(3):
+            total[:, d] += np.bincount(faces[:, k], angle * normals[:, d], minlength=len(total))
+    return unit_vectors(total)
+
+
+def winding_number(corners: Array, place: Array) -> float:
+    """How often a mesh winds about a place: 1 inside a closed mesh, 0 outside [van Oosterom & Strackee 1983].
+
+    Parameters
+    ----------
+    corners : (f, 3, 3)
+        Triangles.
+    place : (3,)
+    """
+    a, b, c = (corners[:, k] - place for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    volume = np.einsum("fd,fd->f", a, np.cross(b, c))
+    ab, bc, ca = (np.einsum("fd,fd->f", u, v) for u, v in ((a, b), (b, c), (c, a)))
+    return float(np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb).sum() / (2 * np.pi))

@@ -1,0 +1,61 @@
+"""Settings and measurements of the process that runs a task: threads, allocator, peak memory."""
+
+import contextlib
+import ctypes
+import functools
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+
+@contextlib.contextmanager
+def single_thread() -> Iterator[None]:
+    """One thread for BLAS and OpenMP: tasks run side by side, and results must not depend on how many."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        yield
+
+
+@functools.cache
+def keep_freed_memory() -> None:
+    """Let the allocator keep what is freed: Dask's nanny asks it to give back everything at once.
+
+    With Dask's setting (``MALLOC_TRIM_THRESHOLD_=65536``) a match spent a third of its time in page faults.
+    Nothing happens where the C library is not glibc.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    trim_threshold, mmap_threshold = -1, -3  # names of malloc.h
+    with contextlib.suppress(OSError, AttributeError, TypeError):
+        mallopt = ctypes.CDLL(None).mallopt
+        mallopt(trim_threshold, 512 << 20)
+        mallopt(mmap_threshold, 32 << 20)
+
+
+class PeakMemory:
+    """Filled when the block of `peak_memory` ends.
+
+    Attributes
+    ----------
+    megabytes : float or None
+        None where the system does not tell.
+    """
+
+    megabytes: float | None = None
+
+
+@contextlib.contextmanager
+def peak_memory() -> Iterator[PeakMemory]:
+    """Largest resident memory of this process within a block, where the system can tell (Linux)."""
+    found = PeakMemory()
+    try:
+        Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")  # resets the high-water mark
+        resets = True
+    except OSError:
+        resets = False
+    yield found
+    if resets:
+        for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
+            if line.startswith("VmHWM:"):
+                found.megabytes = int(line.split()[1]) / 1024

@@ -1,0 +1,132 @@
+"""Two clouds prepared for matching: all that does not depend on which landmarks are tried."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.compiled import run_tasks
+from datasets_gen.points.farthest import farthest_from_mean
+from datasets_gen.records import InputError
+from medial.diffusion import Diffusion
+from medial.matching.common_units import MOST_POINTS, CloudInUnits, common_units, in_source_units
+from medial.matching.config import MatchConfig
+from medial.matching.landmarks.descriptors import DiffusionDescriptors, describe
+from medial.matching.landmarks.medial_paths import MedialPaths
+from medial.matching.landmarks.samples import cluster_samples, spectral_samples
+from medial.matching.neighbourhoods import Float32, neighbourhoods
+from medial.spectrum.times import logarithmic_times
+
+Int = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class PreparedCloud:
+    """One of the two clouds.
+
+    Attributes
+    ----------
+    descriptors : DiffusionDescriptors
+        Its samples, and tables for Eqs. 16 and 17.
+    cloud : CloudInUnits
+        In the units of the pair: lengths are in sqrt(area).
+    paths : MedialPaths, optional
+        Where landmark sets by path length are wanted.
+    cover : (c,) int64
+        At most `MOST_POINTS` points, in farthest-point order: what a registration sees of the cloud.
+    coordinates : (n, d) float32, optional
+        `medial.matching.neighbourhoods`, where the cloud may be deformed.
+    """
+
+    descriptors: DiffusionDescriptors
+    cloud: CloudInUnits
+    paths: MedialPaths | None
+    cover: Int
+    coordinates: Float32 | None
+
+
+@dataclass(frozen=True)
+class PreparedPair:
+    """The source and the target.
+
+    Attributes
+    ----------
+    diffusions : (Diffusion, Diffusion)
+        In the units of the source.
+    source, target : PreparedCloud
+    times : (T,) float64
+        Shared by both clouds.
+    config : MatchConfig
+    seed : int
+    to_move : (n,) bool, optional
+        For a target that is the mirror image of the source, point by point: points that a map may not leave
+        in their medial region.
+    """
+
+    diffusions: tuple[Diffusion, Diffusion]
+    source: PreparedCloud
+    target: PreparedCloud
+    times: NDArray[np.float64]
+    config: MatchConfig
+    seed: int
+    to_move: NDArray[np.bool_] | None = None
+
+
+def prepare_pair(
+    source: Diffusion,
+    target: Diffusion,
+    config: MatchConfig,
+    seed: int,
+    to_move: NDArray[np.bool_] | None = None,
+) -> PreparedPair:
+    """Draw samples, tabulate m_t, and bring both clouds to common units.
+
+    Parameters
+    ----------
+    source, target
+        Diffusions of one kind of operator.
+    config
+    seed
+        Draws the samples.
+    to_move : (n,) bool, optional
+        See `PreparedPair`. Maps that leave most of these points in place do not count, if there are others.
+
+    Raises
+    ------
+    InputError
+        If the operators differ, as their diffusions cannot be compared, or a cloud has no positive
+        eigenvalue.
+    """
+    if source.operator != target.operator:
+        raise InputError(
+            f"cannot match a {source.operator!r} diffusion to a {target.operator!r} one; use one operator"
+        )
+    both = in_source_units(source, target)
+    times = logarithmic_times(*(each.eigenvalues for each in both), count=config.times)
+    clouds = common_units(*both)
+    coordinates: list[Float32 | None] = [None, None]
+    if config.selection == "fit" or config.refine == "deform":
+        coordinates = [*run_tasks(neighbourhoods, [(each,) for each in both])]
+    samples = _samples(both, coordinates, config, seed)
+    own_area = config.departures.area_normalised_kernels
+    described = [describe(each, times, some, own_area) for each, some in zip(both, samples, strict=True)]
+    paths: list[MedialPaths | None] = [None, None]
+    if config.paths and config.selection == "fit":
+        paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
+    covers = run_tasks(farthest_from_mean, [(cloud.points, MOST_POINTS) for cloud in clouds])
+    first, second = map(PreparedCloud, described, clouds, paths, covers, coordinates)
+    return PreparedPair(both, first, second, times, config, seed, to_move)
+
+
+def _samples(
+    diffusions: tuple[Diffusion, Diffusion],
+    coordinates: list[Float32 | None],
+    config: MatchConfig,
+    seed: int,
+) -> list[Int]:
+    """S_P and S_Q: by spectral clustering (Sec. 4); where the fit decides, they cover the surface."""
+    rngs = [np.random.default_rng([seed, k]) for k in (0, 1)]
+    if config.selection == "fit":
+        each = zip(coordinates, rngs, strict=True)
+        return run_tasks(cluster_samples, [(x, config.samples, rng) for x, rng in each])
+    return [spectral_samples(d, config.samples, rng) for d, rng in zip(diffusions, rngs, strict=True)]

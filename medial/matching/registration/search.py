@@ -1,0 +1,90 @@
+"""The search among fits: try candidates out, invert fits of the opposite direction, exchange parts.
+
+Lists of fits are flat; each fit knows its direction (`DirectedFit`).
+"""
+
+from collections.abc import Iterable
+from typing import Protocol, TypeVar
+
+from medial.matching.landmarks.candidates import Candidate
+from medial.matching.registration.direction import LIKE, DirectedFit, Direction
+from medial.matching.registration.exchange import distinct
+from medial.matching.registration.placement import UNMOVED, unmoved
+
+INVERTED = 8
+"""Fits of each direction that are inverted for the other one, before and after parts are exchanged."""
+WITHIN = 0.25
+"""After that, fits whose score is lower than the best by more than this are not inverted."""
+
+
+class _Directed(Protocol):
+    @property
+    def backward(self) -> bool: ...
+
+
+Item = TypeVar("Item", bound=_Directed)
+
+
+def of(direction: Direction, items: Iterable[Item]) -> list[Item]:
+    """The fits or candidates of a direction."""
+    return [item for item in items if item.backward == direction.backward]
+
+
+def forward_first(items: Iterable[Item]) -> list[Item]:
+    """Fits or candidates of the source onto the target, then those of the opposite direction."""
+    return sorted(items, key=lambda item: item.backward)
+
+
+def follow(directions: list[Direction], candidates: list[Candidate]) -> list[DirectedFit]:
+    """Deform along candidates, each in its direction."""
+    return [fit for each in directions for fit in each.follow(of(each, candidates))]
+
+
+def settle(directions: list[Direction], fits: list[DirectedFit]) -> list[DirectedFit]:
+    """What the distinct fits of each direction settle to (`Direction.settle`)."""
+    return [fit for each in directions for fit in each.settle(of(each, fits))]
+
+
+def search(directions: list[Direction], fits: list[DirectedFit]) -> list[DirectedFit]:
+    """Invert settled fits for the opposite direction and exchange parts within each direction.
+
+    Parameters
+    ----------
+    directions
+        One or two.
+    fits
+        Settled fits, at least one.
+
+    Returns
+    -------
+    list of DirectedFit
+        Forward ones first, each direction best first. Fits that differ in one limb alone, which go as one
+        until then, are kept apart.
+    """
+    donors = [fit for each in directions for fit in distinct(of(each, fits), INVERTED)]
+    fits = with_inverses(directions, fits, donors)
+    fits = [fit for each in directions for fit in each.exchange(of(each, fits)) + of(each, fits)]
+    best = max(fit.score for fit in fits)
+    donors = [fit for each in directions for fit in distinct(of(each, fits), INVERTED, LIKE)]
+    fits = with_inverses(directions, fits, [fit for fit in donors if fit.score > best - WITHIN])
+    return [fit for each in directions for fit in distinct(of(each, fits), len(fits), LIKE)]
+
+
+def with_inverses(
+    directions: list[Direction], fits: list[DirectedFit], donors: list[DirectedFit]
+) -> list[DirectedFit]:
+    """Fits, and the inverse of some of them, registered again in the other direction if there is one."""
+    if len(directions) == 1:
+        return fits
+    forward, backward = directions
+    return fits + forward.invert(of(backward, donors)) + backward.invert(of(forward, donors))
+
+
+def moving(fits: list[DirectedFit]) -> list[DirectedFit]:
+    """The fits that do not leave the body in place (`placement.UNMOVED`); all of them if every one does."""
+    return [fit for fit in fits if unmoved(fit) <= UNMOVED] or fits
+
+
+def most_seen(fits: list[DirectedFit]) -> float:
+    """The largest `Fit.seen` of the fits that do not leave the body where it is; in [0, 2]."""
+    return max((fit.seen for fit in fits if unmoved(fit) <= UNMOVED), default=0.0)

@@ -1,0 +1,155 @@
+"""`Matching`: a dense correspondence between two clouds, and its file."""
+
+import os
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.records import InputError, load_record, save_record
+from medial.matching.config import MatchConfig
+
+Int = NDArray[np.int64]
+Float = NDArray[np.float64]
+
+UNCHECKED = "unchecked"
+"""The mirror check of a map that no deformation decided on."""
+
+
+@dataclass(frozen=True, repr=False)
+class Matching:
+    """A dense correspondence from one cloud to another.
+
+    Attributes
+    ----------
+    source_to_target : (n_source,) int64
+        Target point of every source point; -1 where a method finds none.
+    landmarks : (L, 2) int64
+        Source and target point ids of the landmarks that the map grew from. The targets are the partners that
+        Eq. 16 found where Eq. 17 alone made the map, as in the paper (selection ``"cost"`` without
+        deformation). Where a deformation made it, they are where the final map sends the source landmarks.
+        Landmarks given to `medial.extrapolate` stay as given.
+    cost : float
+        Mean residual of Eq. 17 over the samples, in units of the signature; NaN if path length found
+        the landmarks.
+    confidence : (n_source,) float64
+        In [0, 1].
+    restarts : dict of arrays
+        One entry per landmark set: ``first`` (source point id of the first landmark), ``partner`` (its
+        target), ``paths`` (found by path length, not by Eq. 16), ``backward`` (tried by deforming the target
+        onto the source), ``cost`` (of Eq. 17, over the samples of what is deformed; NaN for path length),
+        ``score`` (higher is better; what picked the set), ``chosen`` (bool).
+    mirror_check : str
+        Whether the deformation confirms the map of the lowest Eq. 17 cost, which is mirrored as often as not:
+        ``"agrees"`` (it took that map), ``"overruled"`` (it took another one), ``"undecided"`` (another map
+        fits about as well) or ``"unchecked"`` (no deformation was tried).
+    seed : int
+    config : MatchConfig
+    source_points, target_points : (n, 3) float64, optional
+        The clouds, in their own units, where a file holds them.
+    about : dict
+        Further facts for the record, such as the method; values that JSON can hold.
+    """
+
+    source_to_target: Int
+    landmarks: Int
+    cost: float
+    confidence: Float
+    restarts: dict[str, NDArray[Any]]
+    mirror_check: str = UNCHECKED
+    seed: int = 0
+    config: MatchConfig = field(default_factory=MatchConfig)
+    source_points: Float | None = None
+    target_points: Float | None = None
+    about: dict[str, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        """Return the number of source points."""
+        return len(self.source_to_target)
+
+    def __repr__(self) -> str:
+        """Say in one line how many points are matched, and how surely."""
+        sure = float(self.confidence.mean()) if len(self) else 0.0
+        return (
+            f"Matching({len(self)} points, {len(self.landmarks)} landmarks, mean confidence {sure:.2f}, "
+            f"mirror check {self.mirror_check})"
+        )
+
+    def extended(self, nearest: Int, source_ids: Int, target_ids: Int) -> "Matching":
+        """The map between the whole clouds that the matched points were picked from.
+
+        Parameters
+        ----------
+        nearest : (N_source,) int64
+            For every point of the whole source, the matched source point (in [0, n_source)) that it follows.
+        source_ids, target_ids : (n_source,), (n_target,) int64
+            Point ids of the matched points in the whole clouds.
+
+        Returns
+        -------
+        Matching
+            All its point ids are those of the whole clouds.
+        """
+        image = np.where(self.source_to_target < 0, -1, target_ids[self.source_to_target])
+        restarts = dict(self.restarts)
+        for name, ids in (("first", source_ids), ("partner", target_ids)):
+            if name in restarts:
+                restarts[name] = ids[restarts[name]]
+        return replace(
+            self,
+            source_to_target=image[nearest].astype(np.int64),
+            confidence=self.confidence[nearest],
+            landmarks=np.column_stack([source_ids[self.landmarks[:, 0]], target_ids[self.landmarks[:, 1]]]),
+            restarts=restarts,
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write as ``.npz``."""
+        arrays: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in _ARRAYS}
+        arrays |= {name: cloud for name in _CLOUDS if (cloud := getattr(self, name)) is not None}
+        arrays |= {_TABLE + name: column for name, column in self.restarts.items()}
+        meta = {name: getattr(self, name) for name in ("mirror_check", "seed", "about")}
+        save_record(
+            path, "Matching", arrays, meta | {"cost": float(self.cost), "config": asdict(self.config)}
+        )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Matching":
+        """Read a file written by `save`, also by ``medialbench match`` and ``medialbench symmetry``.
+
+        Raises
+        ------
+        InputError
+            If the file is missing, cut short, or holds something else.
+        """
+        arrays, meta = _read(path)
+        table = {
+            name.removeprefix(_TABLE): arrays.pop(name) for name in list(arrays) if name.startswith(_TABLE)
+        }
+        if "flip" in meta:
+            old = meta.pop("flip")
+            meta["mirror_check"] = _OLD_WORDS.get(old, old)
+        meta["config"].pop("first_mode", None)  # was always 1 unless someone changed it
+        meta["config"] = MatchConfig.from_dict(meta["config"])
+        return cls(**arrays, **meta, restarts=table)
+
+
+def _read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Arrays and metadata of a file; ``medialbench match`` once wrote a kind of its own, which held less."""
+    try:
+        return load_record(path, "Matching")
+    except InputError as error:
+        try:
+            arrays, meta = load_record(path, "Correspondence")
+        except InputError:
+            raise error from None
+    kept = {name: meta.pop(name) for name in ("cost", "flip", "seed") if name in meta}
+    return arrays, kept | {"about": meta, "config": asdict(MatchConfig())}
+
+
+_ARRAYS = ("source_to_target", "landmarks", "confidence")
+_CLOUDS = ("source_points", "target_points")
+_TABLE = "restarts_"
+_OLD_WORDS = {"kept": "agrees", "flipped": "overruled"}
+"""What files called the mirror check before it had its name."""

@@ -1,0 +1,299 @@
+"""The public face of medialbench: what a user needs in the first hour, on plain objects and arrays.
+
+::
+
+    import medialbench as mb
+
+    body = mb.load("human")                                        # or a folder of posed meshes
+    a = mb.scan(body["walk"], threshold=0.8, views=6, points=5000)
+    b = mb.scan(body["sit"], threshold=0.8, views=6, points=5000)
+    found = mb.match(a, b)
+    print(mb.geodesic_error(found, a, b, body).mean())
+    mb.plot(found, a, b).savefig("map.png")
+
+This module only gathers: `datasets_gen` loads shapes, `scanner_sim` scans, `medial` matches, `evaluation`
+scores and `reports` draws. Libraries are imported by the first call that needs them. Every function raises
+`InputError` for input that it cannot use: one line that says what is wrong and what to do.
+"""
+
+import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from datasets_gen import Collection, InputError, Shape
+    from medial import Diffusion, MatchConfig, Matching
+    from scanner_sim import Scan
+
+    __version__: str
+
+__all__ = [
+    "Diffusion",
+    "InputError",
+    "Matching",
+    "Scan",
+    "__version__",
+    "diffusion_error",
+    "geodesic_error",
+    "load",
+    "match",
+    "plot",
+    "sample",
+    "scan",
+    "symmetry",
+]
+
+_HOMES = {"Diffusion": "medial", "InputError": "datasets_gen", "Matching": "medial", "Scan": "scanner_sim"}
+
+
+def __getattr__(name: str) -> Any:
+    """Give a class, or the version, when it is asked for."""
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("medialbench")
+    raise AttributeError(f"module 'medialbench' has no attribute {name!r}; it has {', '.join(__all__)}")
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def load(name: str | os.PathLike[str], **options: Any) -> "Collection":
+    """Load the poses of one subject.
+
+    Parameters
+    ----------
+    name
+        "human", "human_asymmetric", "quadruped", or a folder with a mesh per pose (.ply, .obj, .off).
+    **options
+        `seed` (proportions of a built-in body), `poses` (names), and those of `datasets_gen.load_folder`.
+
+    Returns
+    -------
+    Collection
+        ``body["walk"]`` is the `Shape` of one pose; ``body.poses`` names them; ``body.reference`` is at rest.
+    """
+    from datasets_gen import registry
+
+    return registry.load(name, **options)
+
+
+def scan(
+    mesh: Any,
+    *,
+    threshold: float | None = None,
+    views: int | str | None = None,
+    points: int | None = None,
+    seed: int = 0,
+    repair: bool = False,
+    **settings: Any,
+) -> "Scan":
+    """Scan a mesh with the simulated laser scanner [BLN*11].
+
+    Parameters
+    ----------
+    mesh
+        A `Shape`, the path of a mesh file, a ``trimesh.Trimesh``, or (vertices (v, 3), faces (f, 3)).
+    threshold
+        Smallest accepted laser peak in (0, 1]; a higher one loses more surface. Default 0.1.
+    views
+        Viewpoints: a number, "sphere:N", "ring:N" or "opposed". Default 10.
+    points
+        Keep at most this many points, evenly spread. Default: all.
+    seed
+        Of the noise and of the choice of points.
+    repair
+        Go on with the largest component and without degenerate faces.
+    **settings
+        Further fields of `scanner_sim.ScannerConfig`, such as ``noise=0.1``.
+
+    Returns
+    -------
+    Scan
+        Points and normals (n, 3) in the units of the mesh; every point knows its face and barycentrics.
+    """
+    from datasets_gen import as_shape
+    from scanner_sim import ScannerConfig
+    from scanner_sim import scan as scan_shape
+
+    named = {"peak_threshold": threshold, "views": views}
+    given = {name: value for name, value in named.items() if value is not None}
+    whole = scan_shape(as_shape(mesh, repair=repair), ScannerConfig.from_dict(given | settings), seed)
+    return whole if points is None else whole.subsample(points, seed)
+
+
+def sample(mesh: Any, points: int, *, seed: int = 0) -> "Scan":
+    """Sample a whole surface evenly, as an ideal scanner would.
+
+    Parameters
+    ----------
+    mesh, seed
+        As for `scan`.
+    points
+        Number of points, at least 1.
+
+    Returns
+    -------
+    Scan
+        With exact normals and ground truth.
+    """
+    from datasets_gen import as_shape
+    from scanner_sim import sample as sample_shape
+
+    return sample_shape(as_shape(mesh), points, seed)
+
+
+def match(
+    source: Any,
+    target: Any,
+    *,
+    operator: str = "medial",
+    points: int = 8000,
+    modes: int = 300,
+    config: "MatchConfig | None" = None,
+    seed: int = 0,
+    **settings: Any,
+) -> "Matching":
+    """Match every source point to a target point.
+
+    Parameters
+    ----------
+    source, target
+        Each a `Scan`, an (n, 3) array, a pair (points, normals), the path of a scan, cloud or mesh, a
+        `Shape` (which is sampled), or a `Diffusion`. Without normals, they are estimated.
+    operator
+        "medial" (the paper's), "heat" or "robust"; that of a `Diffusion` wins.
+    points
+        Match at most this many, evenly spread; the others follow their nearest neighbour.
+    modes
+        Eigenfunctions to use.
+    config
+        Of the matcher; ``medial.MatchConfig.paper()`` is Sec. 4 as written.
+    seed
+        Of all samples.
+    **settings
+        Further fields of `medial.operator.Operator`, such as ``device="cuda"``.
+
+    Returns
+    -------
+    Matching
+        ``source_to_target`` (n,), target point ids or -1; ``confidence`` (n,) in [0, 1]. It holds the points
+        of both clouds, so that it can be saved and drawn alone.
+    """
+    from medial import match as match_diffusions
+    from reports.given_clouds import extended, prepared_pair
+
+    here, there = prepared_pair(source, target, operator, points, modes, seed, settings)
+    return extended(match_diffusions(here.diffusion, there.diffusion, config, seed), here, there)
+
+
+def symmetry(
+    cloud: Any,
+    *,
+    points: int = 8000,
+    modes: int = 300,
+    config: "MatchConfig | None" = None,
+    seed: int = 0,
+    **settings: Any,
+) -> "Matching":
+    """Find the left-right symmetry of a cloud: the mirror image of every point (Sec. 5.2).
+
+    Parameters
+    ----------
+    cloud, points, modes, config, seed, **settings
+        As for `match`.
+
+    Returns
+    -------
+    Matching
+        From the cloud to itself; its confidence is low where the other side was not scanned.
+    """
+    from medial import intrinsic_symmetry
+    from reports.given_clouds import extended, prepared
+
+    side = prepared(cloud, "medial", points, modes, seed, settings)
+    return extended(intrinsic_symmetry(side.diffusion, config, seed), side, side)
+
+
+def geodesic_error(
+    matching: "Matching", source: "Scan", target: "Scan", body: "Collection | Shape"
+) -> "NDArray[np.float64]":
+    """Distance between where each point was sent and where it belongs.
+
+    Parameters
+    ----------
+    matching, source, target
+        A map, and the scans that it matches: of two poses of one body (`scan`, `sample`).
+    body
+        The `Collection`, or the `Shape` of its rest pose, on which distances are measured.
+
+    Returns
+    -------
+    (n,) float64
+        Geodesic distance on the rest pose, x 100 / sqrt(area); nan where a point has no match.
+    """
+    from reports.ground_truth import geodesic_error_of_map
+
+    return geodesic_error_of_map(matching, source, target, body)
+
+
+def diffusion_error(
+    scan: "Scan",
+    body: "Collection | Shape",
+    *,
+    operator: str = "medial",
+    modes: int = 300,
+    seed: int = 0,
+    **settings: Any,
+) -> float:
+    """Eq. 18: how far the diffusion of a scan is from that of the complete rest pose.
+
+    Parameters
+    ----------
+    scan
+        With ground truth (`scan`, `sample`).
+    body
+        The `Collection`, or the `Shape` of its rest pose. As many points of it as the scan has are sampled.
+    operator
+        "medial", "heat" or "robust". Errors of different operators cannot be compared.
+    modes, seed, **settings
+        As for `match`.
+
+    Returns
+    -------
+    float
+        0 is perfect. `evaluation.diffusion_error` gives the terms of all times, too.
+    """
+    from reports.ground_truth import diffusion_error_of_scan
+
+    return diffusion_error_of_scan(scan, body, operator, modes, seed, settings)
+
+
+def plot(thing: Any, *others: Any, **options: Any) -> "Figure":
+    """Draw anything: a shape, a body, a cloud, a diffusion, or a map with its clouds.
+
+    Parameters
+    ----------
+    thing
+        A `Shape`, a `Collection` (all poses), a `Scan`, an (n, 3) array or (points, normals), a `Diffusion`
+        (medial centres and an eigenfunction), a `Matching`, or the path of a file of any of these.
+    *others
+        Of a `Matching`, its two clouds; without them it is drawn on the points that it holds.
+    **options
+        ``up`` ("x", "y" or "z") and ``height`` (pixels); of a `Diffusion`, ``mode`` (which eigenfunction).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Shows in a notebook; ``.savefig("picture.png")`` writes it. Of a map: colours that travel along it.
+    """
+    from reports.draw import draw
+
+    return draw(thing, *others, **options)

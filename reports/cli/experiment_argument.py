@@ -1,0 +1,85 @@
+"""What ``medialbench run`` is told to run: a preset, a TOML file or a results folder."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from reports.cli.console import Failure
+
+if TYPE_CHECKING:
+    from evaluation import Experiment
+
+FILE = "experiment.toml"
+
+
+def load_experiment(name: str, datasets: tuple[str, ...] = (), seeds: int | None = None) -> "Experiment":
+    """An experiment, with other data sets, which follow its rule of poses, and other seeds.
+
+    Parameters
+    ----------
+    name
+        Of a preset, of a TOML file, or of a results folder.
+    datasets
+        Use these instead of the experiment's.
+    seeds
+        Use the seeds 0 to ``seeds - 1`` instead of the experiment's.
+
+    Raises
+    ------
+    Failure
+        If it is a folder of something else.
+    InputError
+        If there is no such preset or file, or its contents cannot be used.
+    """
+    from dataclasses import replace
+
+    from evaluation.experiment.config_sections import DatasetSection
+    from evaluation.experiment.experiment import Experiment
+
+    _check_folder(name)
+    folder = results_of(name)
+    experiment = Experiment.load(name if folder is None else folder / FILE)
+    if seeds is not None:
+        experiment = replace(experiment, seeds=tuple(range(seeds)))
+    if not datasets:
+        return experiment
+    rule = experiment.dataset[0].poses
+    poses: Any = "all" if isinstance(rule, tuple) else rule
+    return replace(experiment, dataset=tuple(DatasetSection(name=each, poses=poses) for each in datasets))
+
+
+def results_of(name: str) -> Path | None:
+    """The results folder that is meant; None for a preset or a TOML file."""
+    from evaluation.experiment.presets import presets
+
+    folder = Path(name)
+    return folder if name not in presets() and (folder / FILE).is_file() else None
+
+
+def check_experiment_kept(name: str, experiment: "Experiment", folder: Path) -> None:
+    """Raise Failure if a run would overwrite the TOML file that it was given with another text.
+
+    A run writes its experiment, every setting spelled out, as ``experiment.toml`` into its folder. In a
+    folder that holds results the file is the run's own.
+    """
+    written = folder / FILE
+    if not Path(name).is_file() or not written.exists() or not written.samefile(name):
+        return
+    if (folder / "run.json").is_file() or written.read_text(encoding="utf-8") == experiment.to_toml():
+        return
+    raise Failure(f"a run in {str(folder)!r} would overwrite its input {name!r}; choose another -o")
+
+
+def _check_folder(name: str) -> None:
+    """Raise Failure for a folder that holds no experiment, with what to do about it."""
+    from datasets_gen import MESH_SUFFIXES
+    from evaluation.experiment.presets import presets
+
+    folder, known = Path(name), presets()
+    if name in known or not folder.is_dir() or (folder / FILE).is_file():
+        return
+    if any(each.suffix.lower() in MESH_SUFFIXES for each in folder.iterdir()):
+        raise Failure(
+            f"{name!r} is a folder of meshes, not an experiment; "
+            f"scan and match them with: medialbench run matching --dataset {name}"
+        )
+    raise Failure(f"folder {name!r} holds no {FILE}; give one that does, or a preset: {', '.join(known)}")

@@ -1,0 +1,110 @@
+"""What ``medialbench match`` and ``medialbench symmetry`` share: options, and the map that they write."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from medial import Diffusion, Matching
+    from reports.cli.cloud_files import ThinnedCloud
+
+POINTS = 8000
+MODES = 300
+
+
+def map_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Add the options of both commands."""
+    for option in (
+        click.option(
+            "--picture",
+            type=click.Path(path_type=Path),
+            metavar="FILE.png",
+            help="Also draw the map as colours, with landmarks and confidence (.png or .pdf).",
+        ),
+        click.option("--repair", is_flag=True, help="Of a mesh, go on with the largest component."),
+        click.option("--seed", default=0, show_default=True, help="Of samples and restarts."),
+        click.option(
+            "--modes",
+            default=MODES,
+            show_default=True,
+            type=click.IntRange(min=2),
+            help="Eigenfunctions to use.",
+        ),
+        click.option(
+            "--device",
+            default="cpu",
+            show_default=True,
+            help="Where operators are built: cpu, or cuda on a GPU; see medialbench doctor.",
+        ),
+        click.option(
+            "--points",
+            default=POINTS,
+            show_default=True,
+            type=click.IntRange(min=1),
+            help="Points of a cloud to match, evenly spread; the others follow their nearest neighbour.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def check_map_outputs(out: Path, picture: Path | None, inputs: tuple[Path, ...]) -> None:
+    """Raise InputError if the map or its picture cannot be written."""
+    from reports.cli.output_paths import check_output_file
+
+    check_output_file(out, (".npz",), inputs)
+    if picture is not None:
+        check_output_file(picture, (".png", ".pdf"), inputs)
+
+
+def operator_of(cloud: "ThinnedCloud", name: str, modes: int, device: str) -> "Diffusion":
+    """An operator on the matched points of a cloud."""
+    from medial import Diffusion
+
+    scan = cloud.scan
+    return Diffusion.from_points(scan.points, scan.normals, operator=name, modes=modes, device=device)
+
+
+def write_map(
+    out: Path, source: "ThinnedCloud", target: "ThinnedCloud", found: "Matching", about: dict[str, Any]
+) -> "Matching":
+    """Carry a map from the matched points to all points of the files, and save it."""
+    whole = found.extended(source.nearest, source.kept, target.kept)
+    whole = replace(whole, source_points=source.points, target_points=target.points, about=about)
+    whole.save(out)
+    return whole
+
+
+def draw_map(
+    picture: Path, clouds: tuple["ThinnedCloud", "ThinnedCloud"], names: tuple[str, str], found: "Matching"
+) -> None:
+    """Draw the map between the matched points into a file."""
+    from reports.figures.cloud_drawing import DrawnCloud
+    from reports.figures.dense_map import dense_map
+    from reports.figures.style import save
+
+    here, there = (
+        DrawnCloud(c.scan.points, c.scan.normals, name) for c, name in zip(clouds, names, strict=True)
+    )
+    up = "xyz".index(clouds[0].scan.config.up)
+    figure = dense_map(here, there, found.source_to_target, found.confidence, found.landmarks, up=up)
+    save(figure, picture.parent, picture.stem, formats=(picture.suffix.lower(),))
+
+
+def summary(whole: "Matching", matched: int) -> str:
+    """How many points were matched and how surely.
+
+    Parameters
+    ----------
+    whole
+        The map of all points.
+    matched
+        Number of source points that were matched; the others follow their nearest neighbour.
+    """
+    sure = 100 * float((whole.confidence >= 0.5).mean())
+    if matched < len(whole):
+        return f"Matched {matched:,} points; extended to all {len(whole):,}; confident on {sure:.0f} %"
+    return f"Matched all {len(whole):,} points; confident on {sure:.0f} %"

@@ -1,0 +1,52 @@
+"""Error against missing surface: a dot per map, a line per method."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from reports.figures.style import legend_below, method_lines, new_figure, styled
+from reports.method_order import order_methods
+
+
+@styled
+def error_against_missing(table: pd.DataFrame) -> Figure:
+    """Mean geodesic error of every pair against its missing surface, a panel per dataset.
+
+    Parameters
+    ----------
+    table
+        Rows of kind ``"matching"``: columns ``dataset``, ``method``, ``source_missing``, ``target_missing``
+        (shares in [0, 1]) and ``geodesic_mean``. The line joins the medians of groups of equal size.
+    """
+    datasets = list(dict.fromkeys(table["dataset"]))
+    methods = order_methods(table["method"])
+    styles = method_lines(methods)
+    columns = min(3, len(datasets))
+    rows = -(-len(datasets) // columns)
+    figure, grid = new_figure(rows, columns, 3.3 * columns + 0.6, 2.5 * rows + 0.6, sharey=True, sharex=True)
+    for axes in list(grid.flat)[len(datasets) :]:
+        axes.set_visible(False)
+    for axes, dataset in zip(grid.flat, datasets, strict=False):
+        for name in methods:
+            part = table[(table["dataset"] == dataset) & (table["method"] == name)]
+            missing = 50 * (part["source_missing"] + part["target_missing"]).to_numpy()
+            error = part["geodesic_mean"].to_numpy()
+            axes.plot(missing, error, ".", color=styles[name]["color"], alpha=0.7, markersize=8, mew=0)
+            axes.plot(*_medians(missing, error), **styles[name], label=name)
+        axes.set_title(dataset)
+        axes.set_xlabel("missing surface, mean of both scans, %")
+    grid[0][0].set_ylim(bottom=0)
+    grid[0][0].set_xlim(left=0)
+    for row in grid:
+        row[0].set_ylabel("mean error × 100 / √area")
+    handles, labels = grid[0][0].get_legend_handles_labels()
+    legend_below(figure, handles, labels)
+    return figure
+
+
+def _medians(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[list[float], list[float]]:
+    """Medians of up to six groups of equal size along x."""
+    order = np.argsort(x, kind="stable")
+    groups = [g for g in np.array_split(order, min(6, max(1, len(x) // 2))) if len(g)]
+    return [float(np.median(x[g])) for g in groups], [float(np.median(y[g])) for g in groups]

@@ -1,0 +1,84 @@
+"""The ground truth of a scan on the rest pose of its body: for errors in one call."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen import Collection, InputError, Shape
+from datasets_gen.meshes.geometry import face_normals
+from evaluation.metrics.correspondence import SurfacePoints, correspondence_error
+from evaluation.metrics.diffusion_error import diffusion_error
+from evaluation.metrics.geodesic import SurfaceDistance
+from medial import Diffusion, Matching
+from scanner_sim import Scan, sample
+
+
+def rest_pose(body: Collection | Shape) -> Shape:
+    """The shape on which errors are measured.
+
+    Raises
+    ------
+    InputError
+        If it is neither a collection nor a shape.
+    """
+    if isinstance(body, Collection):
+        return body.reference
+    if isinstance(body, Shape):
+        return body
+    raise InputError(f"{type(body).__name__!r} is no body; give a Collection or the Shape of the rest pose")
+
+
+def places_on(rest: Shape, scan: Scan, name: str) -> SurfacePoints:
+    """Where the points of a scan lie on the rest pose.
+
+    Parameters
+    ----------
+    rest
+    scan
+    name
+        For messages.
+
+    Raises
+    ------
+    InputError
+        If the scan does not know where its points come from, or they come from another body.
+    """
+    if not isinstance(scan, Scan):
+        raise InputError(f"the {name} is {type(scan).__name__!r}, which has no ground truth; give a Scan")
+    if (scan.face_ids < 0).any():
+        raise InputError(
+            f"the {name} has no ground truth (face ids of -1); give a scan made by scan() or sample()"
+        )
+    if len(scan) and scan.face_ids.max() >= len(rest.faces):
+        raise InputError(
+            f"the {name} has points on face {scan.face_ids.max()}, but {rest.name!r} has {len(rest.faces)} "
+            "faces; give the body that was scanned"
+        )
+    return SurfacePoints(scan.face_ids, scan.barycentrics)
+
+
+def geodesic_error_of_map(
+    matching: Matching, source: Scan, target: Scan, body: Collection | Shape
+) -> NDArray[np.float64]:
+    """Errors of a map per source point, x 100 / sqrt(area); see `medialbench.geodesic_error`."""
+    rest = rest_pose(body)
+    here, there = places_on(rest, source, "source"), places_on(rest, target, "target")
+    distance = SurfaceDistance(rest)
+    return 100 * correspondence_error(distance, here, there, matching.source_to_target, rest.area)
+
+
+def diffusion_error_of_scan(
+    scan: Scan, body: Collection | Shape, operator: str, modes: int, seed: int, settings: Mapping[str, Any]
+) -> float:
+    """Eq. 18 of a scan against as many samples of the rest pose; see `medialbench.diffusion_error`."""
+    rest = rest_pose(body)
+    places = places_on(rest, scan, "scan")
+    complete = sample(rest, len(scan), seed)
+    reference, cloud = (
+        Diffusion.from_points(each.points, each.normals, operator=operator, modes=modes, **settings)
+        for each in (complete, scan)
+    )
+    normals = face_normals(rest.vertices, rest.faces)[scan.face_ids]
+    return diffusion_error(reference, cloud, places.on(rest), normals, rest.area, seed=seed).eq18

@@ -1,0 +1,104 @@
+"""Columns of the tables: their heads, digits and meaning, and how a cell is shown."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+
+GROUP = ["dataset", "regime"]
+STABILITY_GROUP = ["dataset", "views", "source_threshold"]
+
+
+@dataclass(frozen=True)
+class Column:
+    """How a column is shown.
+
+    Attributes
+    ----------
+    name : str
+        In the table.
+    title : str
+        Head of the column.
+    digits : int or None
+        After the point; None for text.
+    best : str
+        Which end is the better one: ``"low"``, ``"high"`` or ``""``.
+    about : str
+        One sentence for the reader.
+    """
+
+    name: str
+    title: str
+    digits: int | None = None
+    best: Literal["low", "high", ""] = ""
+    about: str = ""
+
+
+LEADERBOARD = (
+    Column("dataset", "data set"),
+    Column("regime", "regime"),
+    Column("method", "method"),
+    Column("maps", "maps", 0, about="Pairs of scans, over all seeds."),
+    Column("missing", "missing %", 0, about="Surface that the scans lack, mean of both sides."),
+    Column("geodesic_mean", "mean error", 1, "low", "Geodesic distance to the right point, × 100 / √area."),
+    Column("spread", "±", 1, about="Standard deviation of the mean error over seeds."),
+    Column("geodesic_median", "median", 1, "low", "Median over points, mean over maps, × 100 / √area."),
+    Column(
+        "geodesic_symmetric_mean",
+        "up to flip",
+        1,
+        "low",
+        "Mean error to the truth or to its mirror image, whichever is lower for the whole map.",
+    ),
+    Column("flip_rate", "flips %", 0, "low", "Maps that are nearer to the mirror image than to the truth."),
+    Column(
+        "pck_auc", "PCK AUC", 3, "high", "Area under the share of points matched within a radius of 0 to 25."
+    ),
+    Column("medial_mean", "medial error", 1, "low", "Distance between medial centres, × 100 / √area."),
+    Column(
+        "overlap_iou", "overlap IoU", 2, "high", "Confident points against points that have a counterpart."
+    ),
+    Column("eq18", "Eq. 18", 4, "low", "Instability of the method's operator at this threshold."),
+    Column("seconds_match", "time s", 1, about="To match one pair, operators given."),
+)
+
+STABILITY = (
+    Column("dataset", "data set"),
+    Column("operator", "operator"),
+    Column("views", "views"),
+    Column("source_threshold", "threshold τ", 2),
+    Column("missing", "missing %", 0),
+    Column("scans", "scans", 0),
+    Column("eq18", "Eq. 18", 4, "low", "As written, of the kernel times the area of the reference."),
+    Column("eq18_trace", "by heat trace", 5, "low", "Each kernel divided by its heat trace."),
+    Column("eq18_relative", "relative", 3, "low", "Relative to the size of the reference's kernel."),
+)
+
+
+def filled_columns(columns: Sequence[Column], table: pd.DataFrame) -> list[Column]:
+    """The columns that say something: those with at least one value."""
+    return [c for c in columns if c.name in table and table[c.name].notna().any()]
+
+
+def cell_text(value: object, column: Column) -> str:
+    """A cell as people read it."""
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return "–"
+    return str(value) if column.digits is None else f"{float(value):.{column.digits}f}"  # type: ignore[arg-type]
+
+
+def best_cells(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> set[tuple[int, str]]:
+    """(row, column) of the best values of each group; ties as shown share, equal values have none."""
+    found = set()
+    rivals = table[~table["beyond"]] if "beyond" in table else table
+    for _, rows in rivals.groupby(list(group), sort=False, dropna=False):
+        for column in columns:
+            values = rows[column.name].dropna()
+            if column.best and len(values):
+                shown = values.astype(float).round(column.digits or 0)
+                limit = shown.min() if column.best == "low" else shown.max()
+                if shown.nunique() > 1:
+                    found |= {(row, column.name) for row in shown.index[shown == limit]}
+    return found

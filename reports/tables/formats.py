@@ -1,0 +1,87 @@
+"""Tables as Markdown, LaTeX and CSV."""
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from datasets_gen.records import atomic_path
+from reports.tables.columns import Column, best_cells, cell_text, filled_columns
+
+
+def to_markdown(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> str:
+    """A Markdown table, the best of each group in bold."""
+    head = [column.title for column in columns]
+    rule = ["---" if column.digits is None else "---:" for column in columns]
+    body = _cells(table, columns, group, lambda cell: f"**{cell}**", lambda cell: cell.replace("|", "\\|"))
+    return "\n".join("| " + " | ".join(row) + " |" for row in [head, rule, *body]) + "\n"
+
+
+def to_latex(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> str:
+    """A LaTeX table (package booktabs), the best of each group in bold, a rule between groups."""
+    align = "".join("l" if column.digits is None else "r" for column in columns)
+    head = " & ".join(_tex(column.title) for column in columns) + r" \\"
+    body = _cells(table, columns, group, lambda cell: rf"\textbf{{{cell}}}", _tex)
+    lines = []
+    keys = list(table[list(group)].itertuples(index=False, name=None))
+    for i, row in enumerate(body):
+        if i and keys[i] != keys[i - 1]:
+            lines.append(r"\midrule")
+        lines.append(" & ".join(row) + r" \\")
+    parts = [
+        rf"\begin{{tabular}}{{{align}}}",
+        r"\toprule",
+        head,
+        r"\midrule",
+        *lines,
+        r"\bottomrule",
+        r"\end{tabular}",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _cells(
+    table: pd.DataFrame,
+    columns: Sequence[Column],
+    group: Sequence[str],
+    bold: Callable[[str], str],
+    escape: Callable[[str], str],
+) -> list[list[str]]:
+    best = best_cells(table, columns, group)
+    rows = []
+    for i, row in table.iterrows():
+        cells = {c.name: escape(cell_text(row[c.name], c)) for c in columns}
+        rows.append([bold(cells[c.name]) if (i, c.name) in best else cells[c.name] for c in columns])
+    return rows
+
+
+_TEX = {"\\": r"\textbackslash{}", "τ": r"$\tau$", "±": r"$\pm$", "–": "--"}
+_TEX |= {c: "\\" + c for c in "&%$#_{}"} | {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+
+
+def _tex(value: str) -> str:
+    return "".join(_TEX.get(character, character) for character in value)
+
+
+def write_table(
+    table: pd.DataFrame,
+    columns: Sequence[Column],
+    group: Sequence[str],
+    folder: str | os.PathLike[str],
+    name: str,
+) -> dict[str, Path]:
+    """Write ``name.md``, ``name.tex`` and ``name.csv``; return the paths by suffix."""
+    shown = filled_columns(columns, table)
+    full = table[[column.name for column in shown]].to_csv(index=False)
+    contents = {
+        "md": to_markdown(table, shown, group),
+        "tex": to_latex(table, shown, group),
+        "csv": full,
+    }
+    paths = {}
+    for suffix, content in contents.items():
+        paths[suffix] = Path(folder) / f"{name}.{suffix}"
+        with atomic_path(paths[suffix]) as temporary:
+            temporary.write_text(content, encoding="utf-8")
+    return paths

@@ -1,0 +1,79 @@
+"""What fits of both directions are compared by."""
+
+import numpy as np
+import pytest
+
+from medial.matching.common_units import common_units
+from medial.matching.registration.placement import (
+    ALIKE,
+    Placement,
+    path_change,
+    place,
+    unmoved,
+    unmoved_share,
+)
+from tests.medial.matching.registration.directions import Directions, true_landmarks
+from tests.medial.posed import figure, legs, right_arm
+
+
+@pytest.fixture(scope="module")
+def directions():
+    return Directions()
+
+
+@pytest.fixture(scope="module")
+def right(directions):
+    """The fit of the true landmarks, source onto target."""
+    return directions.best(directions.settled(true_landmarks()))[0]
+
+
+def test_the_gap_of_placements_is_their_mean_distance():
+    here = Placement(np.zeros((4, 3)), 1.0, 1.0)
+    there = Placement(np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 1.0]]), 1.0, 1.0)
+    assert here.gap(there) == 1.0
+    assert there.gap(here) == 1.0
+
+
+@pytest.mark.parametrize(("shift", "lead"), [(0.5 * ALIKE, -0.3), (2.0 * ALIKE, 0.1)])
+def test_paths_compare_maps_that_are_alike_and_scores_other_maps(shift, lead):
+    one = Placement(np.zeros((4, 3)), 1.6, 1.0)
+    other = Placement(np.full((4, 3), shift / np.sqrt(3)), 1.5, 1.3)
+    assert one.lead(other) == pytest.approx(lead)
+    assert other.lead(one) == pytest.approx(-lead)
+
+
+def test_a_limb_on_another_has_less_merit_than_its_score_says(directions, right):
+    lost = directions.all[0].follow([directions.astray])[0]
+    before, after = place(right), place(lost)
+    assert before.score == right.score
+    assert before.merit <= before.score
+    assert after.score - after.merit > before.score - before.merit + 0.2
+
+
+def test_paths_change_as_much_seen_from_either_side(directions, right):
+    """A fit and its inverse differ in strain, but what they do to paths compares."""
+    inverted = directions.all[1].invert([right])[0]
+    here = path_change(right, right.inverse())
+    assert path_change(inverted, inverted.inverse()) == pytest.approx(here, abs=0.01)
+
+
+def test_without_path_lengths_merit_is_the_score():
+    bare = Directions(paths=False)
+    fit = bare.best(bare.settled(true_landmarks()))[0]
+    placed = place(fit)
+    assert placed.merit == placed.score == fit.score
+
+
+def test_between_two_clouds_nothing_has_to_move(right):
+    assert unmoved(right) == 0
+
+
+def test_only_what_leaves_its_medial_region_moves():
+    cloud = common_units(figure(), figure())[0]
+    points = np.arange(len(cloud))
+    arm, leg = right_arm(figure().points), legs(figure().points)
+    images = points.copy()
+    images[arm] = np.flatnonzero(leg)[0]
+    assert unmoved_share(cloud, points, points) == 1
+    assert unmoved_share(cloud, points, images) == pytest.approx(1 - arm.mean())
+    assert unmoved_share(cloud, points[:0], points[:0]) == 0

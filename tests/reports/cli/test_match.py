@@ -1,0 +1,124 @@
+"""Maps of clouds in files."""
+
+import numpy as np
+import pytest
+
+from datasets_gen.records import load_record
+from scanner_sim import Scan
+from tests.reports.cli.command_line import FAST, fails, run
+
+
+def load_map(path):
+    return load_record(path, "Matching")
+
+
+def test_a_scan_matched_to_itself_lands_on_itself(scan_file, tmp_path):
+    out = tmp_path / "map.npz"
+    result = run("match", scan_file, scan_file, "-o", out, *FAST)
+    assert result.exit_code == 0, result.output
+    arrays, meta = load_map(out)
+    scan = Scan.load(scan_file)
+    assert np.array_equal(arrays["source_points"], scan.points)
+    assert np.array_equal(arrays["target_points"], scan.points)
+    image = arrays["source_to_target"]
+    assert image.shape == arrays["confidence"].shape == (600,)
+    assert ((image >= 0) & (image < 600)).all()
+    assert ((arrays["confidence"] >= 0) & (arrays["confidence"] <= 1)).all()
+    assert arrays["landmarks"].shape[1] == 2
+    gap = np.linalg.norm(scan.points - scan.points[image], axis=1)
+    assert np.median(gap) < 0.1 * np.ptp(scan.points, axis=0).max()
+    assert meta["about"]["method"] == "medial"
+
+
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [("400", "Matched 400 points; extended to all 600; confident on "), ("600", "Matched all 600 points; ")],
+)
+def test_the_summary_says_how_many_points_were_matched_and_how_surely(scan_file, tmp_path, points, said):
+    result = run("match", scan_file, scan_file, "-o", tmp_path / "m.npz", "--modes", "30", "--points", points)
+    line = result.stderr.strip().splitlines()[-1]
+    assert line.startswith(said)
+    check = load_map(tmp_path / "m.npz")[1]["mirror_check"]
+    assert f" %; mirror check {check}; written to " in line
+
+
+def test_clouds_of_every_kind_are_read(scan_file, mesh_file, tmp_path):
+    from reports.cli.cloud_files import read_thinned
+
+    scan = Scan.load(scan_file)
+    with_normals = np.hstack([scan.points, scan.normals])
+    np.savetxt(tmp_path / "c.xyz", with_normals, header="x y z nx ny nz")
+    np.savetxt(tmp_path / "comma.xyz", with_normals, delimiter=",")
+    scan.save(tmp_path / "c.ply")
+    lines = [f"v {x} {y} {z}\nvn {a} {b} {c}" for x, y, z, a, b, c in with_normals]
+    (tmp_path / "c.obj").write_text("\n".join(lines))
+    for name in ("c.xyz", "comma.xyz", "c.ply", "c.obj"):
+        cloud = read_thinned(tmp_path / name, 10_000)
+        assert np.allclose(cloud.points, scan.points, atol=1e-6), name
+        assert np.allclose(cloud.scan.normals, scan.normals, atol=1e-6), name
+        assert np.array_equal(cloud.kept, np.arange(600))
+    sampled = read_thinned(mesh_file, 500)
+    assert len(sampled.points) == len(sampled.scan) == 500
+    x, y, z = sampled.points.T  # back to the sphere that the body is made of
+    radius = np.hypot(np.hypot((x - 0.25 * y**2 - 0.1 * y) / 0.5, y / 1.5), z / (0.4 + 0.16 * np.tanh(y)))
+    assert np.abs(radius - 1).max() < 0.02
+
+
+def test_missing_normals_are_estimated_and_mentioned(scan_file, tmp_path):
+    from reports.cli.cloud_files import read_thinned
+
+    scan = Scan.load(scan_file)
+    np.savetxt(tmp_path / "bare.xyz", scan.points)
+    result = run("match", tmp_path / "bare.xyz", scan_file, "-o", tmp_path / "m.npz", *FAST)
+    assert result.exit_code == 0, result.output
+    assert "normals" in result.stderr
+    estimated = read_thinned(tmp_path / "bare.xyz", 10_000).scan.normals
+    assert np.median(np.einsum("nd,nd->n", estimated, scan.normals)) > 0.9
+
+
+def test_points_that_were_not_matched_follow_their_nearest_neighbour(scan_file, tmp_path):
+    out = tmp_path / "m.npz"
+    assert run("match", scan_file, scan_file, "-o", out, "--modes", 30, "--points", 300).exit_code == 0
+    image = load_map(out)[0]["source_to_target"]
+    assert len(image) == 600
+    assert len(np.unique(image)) <= 300
+
+
+def test_clouds_that_cannot_be_matched_are_refused(scan_file, tmp_path):
+    out = tmp_path / "m.npz"
+    few, nan, words, wide = (tmp_path / f"{name}.xyz" for name in ("few", "nan", "words", "wide"))
+    directions = np.random.default_rng(0).normal(size=(20, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    np.savetxt(few, np.hstack([directions, directions]))
+    np.savetxt(nan, np.full((30, 6), np.nan))
+    words.write_text("a b c\n")
+    np.savetxt(wide, np.ones((30, 4)))
+    fails(run("match", few, scan_file, "-o", out), "20 points")  # fewer than modes
+    fails(run("match", nan, scan_file, "-o", out), "NaN")
+    fails(run("match", words, scan_file, "-o", out), "words.xyz")
+    fails(run("match", wide, scan_file, "-o", out), "(30, 4)")
+    fails(run("match", tmp_path / "no.npz", scan_file, "-o", out), "does not exist")
+    fails(run("match", scan_file, scan_file, "-o", out, "--method", "medail"), "medail", "medial")
+    fails(run("match", scan_file, scan_file, "-o", out, "--set", "colour=1"), "colour")
+    fails(run("match", scan_file, scan_file, "-o", out, "--set", "colour"), "NAME=VALUE", status=2)
+    fails(run("match", scan_file, scan_file, "-o", out, "--method", "truth-landmarks"), "ground truth")
+    fails(run("match", scan_file, scan_file, "-o", tmp_path / "m.txt"), ".npz")
+    fails(run("match", scan_file, scan_file, "-o", out, "--device", "gpu"), "'gpu'", "cuda")
+    fails(run("symmetry", scan_file, "-o", out, "--device", "gpu"), "'gpu'", "cuda")
+    (tmp_path / "cut.npz").write_bytes(scan_file.read_bytes()[:1000])
+    fails(run("match", tmp_path / "cut.npz", scan_file, "-o", out), "cut.npz")
+    assert not out.exists()
+
+
+def test_symmetry_maps_a_cloud_to_itself_and_draws_it(scan_file, tmp_path):
+    out, picture = tmp_path / "map.npz", tmp_path / "map.png"
+    result = run("symmetry", scan_file, "-o", out, *FAST, "--picture", picture)
+    assert result.exit_code == 0, result.output
+    arrays, meta = load_map(out)
+    assert np.array_equal(arrays["source_points"], arrays["target_points"])
+    image = arrays["source_to_target"]
+    assert image.shape == (600,)
+    assert ((image >= -1) & (image < 600)).all()
+    assert meta["about"]["method"] == "symmetry"
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    fails(run("symmetry", scan_file, "-o", out, "--picture", tmp_path / "p.gif"), ".png or .pdf")

@@ -1,0 +1,96 @@
+"""The commands that read a results folder."""
+
+import pytest
+from click.testing import CliRunner
+
+from evaluation.results.store import FORMAT
+from reports.cli.main import cli
+from reports.tables.terminal import leaderboard_lines
+from tests.reports.conftest import write_results
+
+
+def run(*arguments):
+    return CliRunner().invoke(cli, [str(a) for a in arguments])
+
+
+@pytest.fixture(scope="module")
+def little(tmp_path_factory):
+    """Results of one subject and seed."""
+    folder = tmp_path_factory.mktemp("little")
+    write_results(folder)
+    return folder
+
+
+def test_report_ends_with_the_path_of_the_page(little, tmp_path):
+    result = run("report", little, "-o", tmp_path / "out", "--pairs", "1", "-j", "1")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.strip() == str(tmp_path / "out" / "index.html")
+    assert (tmp_path / "out" / "index.html").is_file()
+    assert len(list((tmp_path / "out" / "figures").glob("pair-*.png"))) == 1
+
+
+@pytest.mark.slow
+def test_report_with_several_processes_is_the_same(results, tmp_path):
+    for jobs in (1, 2):
+        result = run("report", results, "-o", tmp_path / str(jobs), "--pairs", "2", "-j", jobs, "-q")
+        assert result.exit_code == 0, result.output
+    files = [path for path in (tmp_path / "1").rglob("*") if path.is_file()]
+    assert len(files) > 20
+    for path in files:
+        other = tmp_path / "2" / path.relative_to(tmp_path / "1")
+        assert other.read_bytes() == path.read_bytes(), path.name
+
+
+def test_compare_shows_the_leaderboard_with_spread_and_tests(results):
+    result = run("compare", results)
+    assert result.exit_code == 0, result.output
+    lines = result.stdout.splitlines()
+    at = lines.index("blob, threshold 0.3")
+    best, second = lines[at + 1].split(), lines[at + 2].split()
+    assert best[:2] == ["medial", "diffusion"]
+    assert best[2:7] == ["2", "15", "3.5", "0.7", "3.0"]  # maps, missing, mean, spread over seeds, median
+    assert second[:2] == ["heat", "kernel"]
+    tests = next(line for line in lines if line.startswith("medial diffusion  heat kernel"))
+    assert tests.split()[4:] == ["4", "6.00", "100", "–"]  # pairs, difference, wins; too few for a p-value
+
+
+def test_compare_needs_correspondences(tmp_path):
+    store = write_results(tmp_path)
+    table = store.table()
+    table[table["kind"] == "stability"].to_parquet(tmp_path / "table.parquet")
+    result = run("compare", tmp_path)
+    assert result.exit_code == 1
+    assert result.stderr.startswith("medialbench: ")
+    assert "no correspondences" in result.stderr
+
+
+@pytest.mark.parametrize("width", [80, 200])
+def test_leaderboards_fit_a_narrow_terminal(results, width):
+    import re
+
+    from evaluation.results.store import ResultsStore
+    from reports.tables.leaderboard import leaderboard, with_numpy_types
+
+    board = leaderboard(with_numpy_types(ResultsStore(results).table()))
+    lines = [re.sub(r"\[/?[a-z]*\]", "", line) for line in leaderboard_lines(board, width)]
+    assert max(map(len, lines)) <= width
+    assert ("maps" in lines[1]) == (width == 200)
+
+
+def test_results_of_another_format_are_refused(tmp_path):
+    write_results(tmp_path)
+    info = (tmp_path / "run.json").read_text().replace(f'"format": {FORMAT}', '"format": 99')
+    (tmp_path / "run.json").write_text(info)
+    result = run("report", tmp_path)
+    assert result.exit_code == 1
+    assert "99" in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_data_sets_and_seeds_replace_those_of_a_preset():
+    from reports.cli.experiment_argument import load_experiment
+
+    assert load_experiment("matching").seeds == (0, 1, 2)
+    changed = load_experiment("matching", ("human_asymmetric",), 2)
+    assert changed.seeds == (0, 1)
+    assert [(each.name, each.poses) for each in changed.dataset] == [("human_asymmetric", 4)]

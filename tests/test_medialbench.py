@@ -1,0 +1,282 @@
+"""The public face: the README's example, and what its calls take and refuse."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import trimesh
+
+import medialbench as mb
+from datasets_gen.records import save_record
+
+SMALL = {"views": 4, "resolution": (60, 60), "stripes": 80}
+FAST = {"modes": 30, "points": 400}
+
+
+def bent_club(bend):
+    """A closed surface without symmetry."""
+    mesh = trimesh.creation.icosphere(subdivisions=3)
+    v = np.array(mesh.vertices) * [0.5, 1.5, 0.4]
+    v[:, 0] += 0.25 * v[:, 1] ** 2 + 0.1 * v[:, 1] + bend * v[:, 1] ** 2
+    v[:, 2] *= 1 + 0.4 * np.tanh(v[:, 1])
+    return trimesh.Trimesh(v, mesh.faces, process=False)
+
+
+@pytest.fixture(scope="module")
+def body(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("club")
+    bent_club(0.0).export(folder / "rest.ply")
+    bent_club(0.1).export(folder / "bent.ply")
+    return mb.load(folder)
+
+
+@pytest.fixture(scope="module")
+def scans(body):
+    return tuple(mb.scan(body[pose], threshold=0.3, points=600, **SMALL) for pose in ("rest", "bent"))
+
+
+@pytest.fixture(scope="module")
+def found(scans):
+    return mb.match(*scans, **FAST)
+
+
+def drawn(figure):
+    return [axes for axes in figure.axes if axes.get_images()]
+
+
+def test_it_imports_fast_and_without_heavy_libraries():
+    code = (
+        "import sys, time; t = time.perf_counter(); import medialbench;"
+        "assert time.perf_counter() - t < 0.3;"
+        "heavy = ('numpy', 'scipy', 'numba', 'mitsuba', 'pandas', 'matplotlib', 'dask');"
+        "print([m for m in heavy if m in sys.modules])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
+
+
+def test_every_name_is_there_and_documented():
+    assert set(dir(mb)) == set(mb.__all__)
+    for name in mb.__all__:
+        assert getattr(mb, name).__doc__
+    assert mb.__version__.count(".") == 2
+    with pytest.raises(AttributeError, match=r"'mach'.*match"):
+        mb.mach  # noqa: B018
+
+
+def test_the_first_hour(body, scans, tmp_path):
+    """Load, scan two poses, match, an error in one call, a picture in one call."""
+    a, b = scans
+    found = mb.match(a, b, **FAST)
+    assert found.source_to_target.shape == found.confidence.shape == (600,)
+    errors = mb.geodesic_error(found, a, b, body)
+    assert errors.shape == (600,)
+    assert np.nanmean(errors) < 15
+    mb.plot(found, a, b).savefig(tmp_path / "map.png")
+    assert (tmp_path / "map.png").read_bytes()[:4] == b"\x89PNG"
+
+
+# ---------------------------------------------------------------------------- scan, sample
+
+
+def test_scan_takes_a_shape_a_path_a_trimesh_and_arrays(body, tmp_path):
+    mesh = bent_club(0.0)
+    mesh.export(tmp_path / "mesh.ply")
+    shape = body["rest"]
+    given = (shape, tmp_path / "mesh.ply", str(tmp_path / "mesh.ply"), mesh, (mesh.vertices, mesh.faces))
+    sizes = [len(mb.scan(each, threshold=0.3, **SMALL)) for each in given]
+    assert min(sizes) > 500
+    assert max(sizes) - min(sizes) < 0.02 * max(sizes)  # files hold single precision
+
+
+def test_a_scan_has_the_settings_that_were_asked_for(scans):
+    config = scans[0].config
+    assert (config.peak_threshold, config.views, config.resolution) == (0.3, 4, (60, 60))
+    assert len(scans[0]) == 600
+
+
+def test_samples_miss_nothing(body):
+    cloud = mb.sample(body["rest"], 500)
+    assert len(cloud) == 500
+    assert (cloud.face_ids >= 0).all()
+
+
+# ---------------------------------------------------------------------------- match, symmetry
+
+
+def test_maps_of_arrays_cover_all_points(scans, found):
+    (a, b), n = scans, 600
+    for source, target in (
+        ((a.points, a.normals), (b.points, b.normals)),
+        ([a.points, a.normals], b),
+    ):
+        same = mb.match(source, target, **FAST)
+        assert np.array_equal(same.source_to_target, found.source_to_target)
+    bare = mb.match(a.points, b.points, **FAST)  # normals are estimated
+    assert bare.source_to_target.shape == (n,)
+    assert ((bare.source_to_target >= -1) & (bare.source_to_target < n)).all()
+
+
+def test_maps_of_files_are_those_of_scans_and_of_the_command_line(scans, found, tmp_path):
+    from click.testing import CliRunner
+
+    from reports.cli.main import cli
+
+    files = [tmp_path / "a.npz", tmp_path / "b.npz"]
+    for scan, file in zip(scans, files, strict=True):
+        scan.save(file)
+    by_path = mb.match(str(files[0]), files[1], **FAST)
+    assert np.array_equal(by_path.source_to_target, found.source_to_target)
+    out = tmp_path / "map.npz"
+    arguments = ["match", *map(str, files), "-o", str(out), "--modes", "30", "--points", "400"]
+    assert CliRunner().invoke(cli, arguments).exit_code == 0
+    read = mb.Matching.load(out)
+    for name in ("source_to_target", "confidence", "landmarks", "source_points", "target_points"):
+        assert np.array_equal(getattr(read, name), getattr(found, name)), name
+
+
+def test_a_diffusion_is_matched_whole_and_decides_the_operator(scans):
+    a, b = scans
+    diffusion = mb.Diffusion.from_points(a.points, a.normals, operator="heat", modes=30)
+    mixed = mb.match(diffusion, b, points=400)
+    other = mb.Diffusion.from_points(b.points, b.normals, operator="heat", modes=30)
+    assert mixed.source_to_target.shape == (600,)
+    assert mb.match(diffusion, other).source_to_target.shape == (600,)
+
+
+def test_symmetry_maps_a_cloud_to_itself(scans):
+    found = mb.symmetry(scans[0], **FAST)
+    assert found.source_to_target.shape == (600,)
+    assert np.array_equal(found.source_points, found.target_points)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (np.zeros((5, 2)), r"\(5, 2\)"),
+        (np.zeros((0, 3)), "no points"),
+        (np.full((9, 3), np.nan), "NaN"),
+        ((np.zeros((5, 3)), np.zeros((4, 3))), "5 points and 4 normals"),
+        (None, "give a Scan"),
+        (object(), "give a Scan"),
+        ("nowhere.ply", "does not exist"),
+    ],
+)
+def test_clouds_that_cannot_be_used_are_refused_in_one_line(given, said, scans):
+    with pytest.raises(mb.InputError, match=said) as caught:
+        mb.match(scans[0], given, **FAST)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_match_needs_at_least_a_point(scans):
+    with pytest.raises(mb.InputError, match="at least 1"):
+        mb.match(*scans, points=0)
+
+
+def test_files_of_the_first_version_still_load(tmp_path):
+    arrays = {
+        "source_to_target": np.array([1, 0]),
+        "confidence": np.array([0.5, 1.0]),
+        "landmarks": np.array([[0, 1]]),
+        "source_points": np.zeros((2, 3)),
+        "target_points": np.ones((2, 3)),
+    }
+    meta = {"cost": 0.5, "flip": "flipped", "method": "medial", "seed": 3, "device": "cpu"}
+    save_record(tmp_path / "old.npz", "Correspondence", arrays, meta)
+    found = mb.Matching.load(tmp_path / "old.npz")
+    assert (found.mirror_check, found.seed, found.about["method"]) == ("overruled", 3, "medial")
+    for name, array in arrays.items():
+        assert np.array_equal(getattr(found, name), array)
+
+
+# ---------------------------------------------------------------------------- errors
+
+
+def test_a_right_map_has_no_error(body):
+    cloud = mb.sample(body["rest"], 200)
+    found = mb.match(cloud, cloud, modes=30)
+    exact = type(found)(np.arange(200), found.landmarks, 0.0, np.ones(200), {})
+    assert np.allclose(mb.geodesic_error(exact, cloud, cloud, body), 0, atol=1e-6)
+    assert np.allclose(mb.geodesic_error(exact, cloud, cloud, body.reference), 0, atol=1e-6)
+
+
+def test_errors_need_ground_truth(body, scans, found):
+    from dataclasses import replace
+
+    a, b = scans
+    blind = replace(a, face_ids=np.full(len(a), -1, np.int32))
+    with pytest.raises(mb.InputError, match="source has no ground truth"):
+        mb.geodesic_error(found, blind, b, body)
+    with pytest.raises(mb.InputError, match="target is 'ndarray'"):
+        mb.geodesic_error(found, a, b.points, body)
+    with pytest.raises(mb.InputError, match="give the body that was scanned"):
+        mb.geodesic_error(found, replace(a, face_ids=a.face_ids + 10**6), b, body)
+    with pytest.raises(mb.InputError, match="does not fit"):
+        mb.geodesic_error(found, a.subsample(100), b, body)
+    with pytest.raises(mb.InputError, match="is no body"):
+        mb.geodesic_error(found, a, b, "human")
+    with pytest.raises(mb.InputError, match="no ground truth"):
+        mb.diffusion_error(blind, body)
+
+
+def test_diffusion_errors_grow_with_what_is_missing(body, scans):
+    complete = mb.diffusion_error(mb.sample(body["rest"], 600), body, modes=30)
+    assert complete == pytest.approx(0, abs=1e-9)  # the very same samples
+    assert mb.diffusion_error(scans[1], body, modes=30) > complete
+
+
+# ---------------------------------------------------------------------------- plot
+
+
+def test_anything_can_be_drawn(body, scans, found, tmp_path):
+    a, b = scans
+    diffusion = mb.Diffusion.from_points(a.points, a.normals, modes=20)
+    heat = mb.Diffusion.from_points(a.points, a.normals, operator="heat", modes=20)
+    pictures = (
+        (1, (body["rest"],)),
+        (2, (body,)),
+        (1, (a,)),
+        (1, (a.points,)),
+        (1, ((a.points, a.normals),)),
+        (3, (diffusion,)),
+        (1, (heat,)),
+        (3, (found,)),
+        (3, (found, a, b)),
+        (3, (found, a.points, b.points)),
+    )
+    for panels, things in pictures:
+        assert len(drawn(mb.plot(*things, height=60))) == panels
+    found.save(tmp_path / "map.npz")
+    diffusion.save(tmp_path / "diffusion.npz")
+    bent_club(0.0).export(tmp_path / "mesh.ply")
+    for panels, name in ((3, "map.npz"), (3, "diffusion.npz"), (1, "mesh.ply")):
+        assert len(drawn(mb.plot(tmp_path / name, height=60))) == panels
+
+
+def test_pictures_show_in_a_notebook_and_are_saved(scans, tmp_path):
+    figure = mb.plot(scans[0], height=60)
+    assert figure._repr_png_()[:4] == b"\x89PNG"
+    for suffix in ("png", "pdf", "svg"):
+        figure.savefig(tmp_path / f"scan.{suffix}")
+        assert (tmp_path / f"scan.{suffix}").stat().st_size > 1000
+
+
+def test_pictures_that_cannot_be_drawn_are_refused(scans, found):
+    from dataclasses import replace
+
+    a, b = scans
+    diffusion = mb.Diffusion.from_points(a.points, a.normals, modes=20)
+    for said, call in (
+        ("no mode 20", lambda: mb.plot(diffusion, mode=20)),
+        ("no option 'mode'", lambda: mb.plot(a, mode=2)),
+        ("up must be", lambda: mb.plot(a, up="w")),
+        ("holds no points", lambda: mb.plot(replace(found, source_points=None))),
+        ("600 source points", lambda: mb.plot(found, a.points[:50], b)),
+        ("the second cloud has 50", lambda: mb.plot(found, a, b.points[:50])),
+        ("two clouds", lambda: mb.plot(found, a, b, b)),
+        ("only a Matching", lambda: mb.plot(a, b)),
+        ("give a Scan", lambda: mb.plot(3)),
+    ):
+        with pytest.raises(mb.InputError, match=said):
+            call()
