@@ -11,9 +11,8 @@
     print(mb.geodesic_error(found, a, b, body).mean())
     mb.plot(found, a, b).savefig("map.png")
 
-This module only gathers: `datasets_gen` loads shapes, `scanner_sim` scans, `medial` matches, `evaluation`
-scores and `reports` draws. Libraries are imported by the first call that needs them. Every function raises
-`InputError` for input that it cannot use: one line that says what is wrong and what to do.
+This module only gathers: `datasets_gen` loads, `scanner_sim` scans, `medial` matches, `evaluation` scores and
+`reports` draws; each is imported by the first call. Input that cannot be used raises `InputError`: one line.
 """
 
 import os
@@ -26,14 +25,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from datasets_gen import Collection, InputError, Shape
-    from medial import Diffusion, MatchConfig, Matching
+    from medial import Departures, Diffusion, MatchConfig, Matching
     from scanner_sim import Scan
 
     __version__: str
 
 __all__ = [
+    "Departures",
     "Diffusion",
     "InputError",
+    "MatchConfig",
     "Matching",
     "Scan",
     "__version__",
@@ -47,7 +48,8 @@ __all__ = [
     "symmetry",
 ]
 
-_HOMES = {"Diffusion": "medial", "InputError": "datasets_gen", "Matching": "medial", "Scan": "scanner_sim"}
+_HOMES = dict.fromkeys(("Departures", "Diffusion", "MatchConfig", "Matching"), "medial")
+_HOMES |= {"InputError": "datasets_gen", "Scan": "scanner_sim"}
 
 
 def __getattr__(name: str) -> Any:
@@ -100,7 +102,7 @@ def scan(
     Parameters
     ----------
     mesh
-        A `Shape`, the path of a mesh file, a ``trimesh.Trimesh``, or (vertices (v, 3), faces (f, 3)).
+        A `Shape`, the path of a mesh file, a ``trimesh.Trimesh``, or (vertices, faces); open, in pieces, too.
     threshold
         Smallest accepted laser peak in (0, 1]; a higher one loses more surface. Default 0.1.
     views
@@ -112,20 +114,21 @@ def scan(
     repair
         Go on with the largest component and without degenerate faces.
     **settings
-        Further fields of `scanner_sim.ScannerConfig`, such as ``noise=0.1``.
+        Further fields of `scanner_sim.ScannerConfig`: ``noise=0.1``, ``material="colours"`` (the mesh's own).
 
     Returns
     -------
     Scan
         Points and normals (n, 3) in the units of the mesh; every point knows its face and barycentrics.
     """
+    import scanner_sim
     from datasets_gen import as_shape
-    from scanner_sim import ScannerConfig
-    from scanner_sim import scan as scan_shape
+    from datasets_gen.meshes.colours import colours_of
 
-    named = {"peak_threshold": threshold, "views": views}
-    given = {name: value for name, value in named.items() if value is not None}
-    whole = scan_shape(as_shape(mesh, repair=repair), ScannerConfig.from_dict(given | settings), seed)
+    given = {k: v for k, v in {"peak_threshold": threshold, "views": views}.items() if v is not None}
+    config = scanner_sim.ScannerConfig.from_dict(given | settings)
+    attributes = colours_of(mesh) if config.material == "colours" else None
+    whole = scanner_sim.scan(as_shape(mesh, repair=repair, strict=False), config, seed, attributes)
     return whole if points is None else whole.subsample(points, seed)
 
 
@@ -157,7 +160,7 @@ def match(
     operator: str = "medial",
     points: int = 8000,
     modes: int = 300,
-    config: "MatchConfig | None" = None,
+    config: "MatchConfig | str | None" = None,
     seed: int = 0,
     **settings: Any,
 ) -> "Matching":
@@ -167,29 +170,27 @@ def match(
     ----------
     source, target
         Each a `Scan`, an (n, 3) array, a pair (points, normals), the path of a scan, cloud or mesh, a
-        `Shape` (which is sampled), or a `Diffusion`. Without normals, they are estimated.
+        `Shape` or (vertices, faces), which are sampled, or a `Diffusion`. Missing normals are estimated.
     operator
-        "medial" (the paper's), "heat" or "robust"; that of a `Diffusion` wins.
+        "medial" (the paper's), "heat" or "robust" (tufted Laplacian); that of a `Diffusion` wins.
     points
         Match at most this many, evenly spread; the others follow their nearest neighbour.
-    modes
-        Eigenfunctions to use.
+    modes, seed
+        Eigenfunctions to use; seed of all samples.
     config
-        Of the matcher; ``medial.MatchConfig.paper()`` is Sec. 4 as written.
-    seed
-        Of all samples.
+        Of the matcher: "default", "paper" (the settings of Sec. 4) or a `MatchConfig`.
     **settings
-        Further fields of `medial.operator.Operator`, such as ``device="cuda"``.
+        Further fields of `medial.operator.Operator`; ``departures="none"`` is the paper (docs/paper.md).
 
     Returns
     -------
     Matching
-        ``source_to_target`` (n,), target point ids or -1; ``confidence`` (n,) in [0, 1]. It holds the points
-        of both clouds, so that it can be saved and drawn alone.
+        ``source_to_target`` (n,), target point ids or -1; ``confidence`` (n,) in [0, 1]; both clouds' points.
     """
     from medial import match as match_diffusions
-    from reports.given_clouds import extended, prepared_pair
+    from reports.given_clouds import check_config, extended, prepared_pair
 
+    check_config(config)
     here, there = prepared_pair(source, target, operator, points, modes, seed, settings)
     return extended(match_diffusions(here.diffusion, there.diffusion, config, seed), here, there)
 
@@ -197,9 +198,10 @@ def match(
 def symmetry(
     cloud: Any,
     *,
+    operator: str = "medial",
     points: int = 8000,
     modes: int = 300,
-    config: "MatchConfig | None" = None,
+    config: "MatchConfig | str | None" = None,
     seed: int = 0,
     **settings: Any,
 ) -> "Matching":
@@ -207,7 +209,7 @@ def symmetry(
 
     Parameters
     ----------
-    cloud, points, modes, config, seed, **settings
+    cloud, operator, points, modes, config, seed, **settings
         As for `match`.
 
     Returns
@@ -216,9 +218,10 @@ def symmetry(
         From the cloud to itself; its confidence is low where the other side was not scanned.
     """
     from medial import intrinsic_symmetry
-    from reports.given_clouds import extended, prepared
+    from reports.given_clouds import check_config, extended, prepared
 
-    side = prepared(cloud, "medial", points, modes, seed, settings)
+    check_config(config)
+    side = prepared(cloud, operator, points, modes, seed, settings)
     return extended(intrinsic_symmetry(side.diffusion, config, seed), side, side)
 
 
@@ -261,10 +264,8 @@ def diffusion_error(
         With ground truth (`scan`, `sample`).
     body
         The `Collection`, or the `Shape` of its rest pose. As many points of it as the scan has are sampled.
-    operator
-        "medial", "heat" or "robust". Errors of different operators cannot be compared.
-    modes, seed, **settings
-        As for `match`.
+    operator, modes, seed, **settings
+        As for `match`; errors of different operators, or ``departures``, cannot be compared.
 
     Returns
     -------

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from datasets_gen.meshes.geometry import scaled_face_normals, solid_faces
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 
 _log = logging.getLogger(__name__)
 
 FLAT_FACE = 1e-12  # area of a degenerate face, in squared bounding-box diagonals
+OPEN = 0.1  # length of the mean face normal from which on a mesh is open; 0 if closed, 1 if flat
 
 
 def directed_edges(faces: NDArray[np.integer]) -> NDArray[np.int64]:
@@ -45,6 +47,19 @@ def signed_volume(vertices: NDArray[np.float64], faces: NDArray[np.integer]) -> 
     """Enclosed volume by the divergence theorem about the centroid; positive for outward-facing faces."""
     corners = (vertices - vertices[faces].mean(axis=(0, 1)))[faces]
     return float(np.einsum("fd,fd->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
+
+
+def looks_inward(vertices: NDArray[np.float64], faces: NDArray[np.integer]) -> bool:
+    """Whether the faces of a closed or nearly closed mesh look inward.
+
+    An open surface such as a relief has no inside, and its normals do not cancel: false if their sum, over
+    the area, exceeds `OPEN`.
+    """
+    if not signed_volume(vertices, faces) < 0:
+        return False
+    normals = scaled_face_normals(vertices, faces)
+    area = float(np.linalg.norm(normals, axis=1).sum())
+    return float(np.linalg.norm(normals.sum(axis=0))) <= OPEN * area
 
 
 def check_mesh(shape: Shape, *, allow_flat: bool = False) -> tuple[str, ...]:
@@ -83,12 +98,20 @@ def check_mesh(shape: Shape, *, allow_flat: bool = False) -> tuple[str, ...]:
 
 
 def _check_arrays(shape: Shape) -> None:
+    _check_ids(shape)
+    _check_finite(shape, np.arange(len(shape.vertices)))
+
+
+def _check_finite(shape: Shape, index: NDArray[np.integer]) -> None:
+    bad = int((~np.isfinite(shape.vertices[index])).any(axis=1).sum())
+    if bad:
+        raise InputError(f"{shape.name!r} has {bad} vertices that are NaN or infinite; export it again")
+
+
+def _check_ids(shape: Shape) -> None:
     vertices, faces = shape.vertices, shape.faces
     if len(faces) == 0:
         raise InputError(f"{shape.name!r} has no faces; a point cloud cannot be scanned, give a mesh")
-    bad = int((~np.isfinite(vertices)).any(axis=1).sum())
-    if bad:
-        raise InputError(f"{shape.name!r} has {bad} vertices that are NaN or infinite; export it again")
     if faces.min() < 0 or faces.max() >= len(vertices):
         found = int(faces.min() if faces.min() < 0 else faces.max())
         raise InputError(f"{shape.name!r} has a face with vertex {found}, but {len(vertices)} vertices")
@@ -96,8 +119,7 @@ def _check_arrays(shape: Shape) -> None:
 
 def flat_faces(shape: Shape) -> NDArray[np.bool_]:
     """Which faces have (nearly) no area, (f,)."""
-    diagonal = float(np.linalg.norm(np.ptp(shape.vertices, axis=0)))
-    return shape.face_areas <= FLAT_FACE * diagonal**2
+    return shape.face_areas <= FLAT_FACE * shape.diagonal**2
 
 
 def repeated_corners(faces: NDArray[np.integer]) -> NDArray[np.bool_]:
@@ -130,7 +152,7 @@ def _remarks(shape: Shape) -> tuple[str, ...]:
     unused = len(shape.vertices) - len(np.unique(shape.faces))
     if unused:
         remarks.append(f"{unused} vertices belong to no face")
-    if signed_volume(shape.vertices, shape.faces) < 0:
+    if looks_inward(shape.vertices, shape.faces):
         remarks.append("faces look inward")
     return tuple(remarks)
 
@@ -159,7 +181,7 @@ def oriented(faces: NDArray[np.int32], vertices: NDArray[np.float64], name: str)
         trimesh.repair.fix_winding(mesh)
         faces = np.asarray(mesh.faces, dtype=np.int32)
         _log.warning("%s: %d edges had faces wound against each other; made consistent", name, conflicts)
-    if signed_volume(vertices, faces) < 0:
+    if looks_inward(vertices, faces):
         faces = np.ascontiguousarray(faces[:, ::-1])
         _log.warning("%s: faces looked inward; flipped", name)
     return faces
@@ -217,3 +239,40 @@ def admitted(shapes: list[Shape], repair: bool = False) -> list[Shape]:
         if remarks:
             _log.warning("%s: %s", shape.name, "; ".join(remarks))
     return shapes
+
+
+def scannable(shape: Shape, repair: bool = False) -> Shape:
+    """A mesh for the scanner alone, which needs a surface and nothing else; remarks go to the log.
+
+    Any number of components, open boundaries, edges of more than two faces, vertices off the surface and
+    faces without area are allowed. The faces are wound outward and against each other as by `admitted`, but
+    for those without area.
+
+    Parameters
+    ----------
+    shape
+    repair
+        Apply `repaired` first.
+
+    Raises
+    ------
+    InputError
+        For no faces, vertex ids out of range, coordinates of the faces that are not finite, or no area.
+    """
+    _check_ids(shape)
+    _check_finite(shape, np.unique(shape.faces))
+    if repair:
+        shape = repaired([shape])[0]
+    solid = solid_faces(shape.vertices, shape.faces)
+    if not solid.any():
+        raise InputError(f"{shape.name!r} has only degenerate faces (no area); export it again")
+    wound = oriented(shape.faces[solid], shape.vertices, shape.name)
+    faces = shape.faces.copy()
+    faces[solid] = wound
+    remarks = _remarks(replace(shape, faces=wound))
+    flat = len(faces) - len(wound)
+    if flat:
+        remarks = (f"{flat} degenerate faces (no area) are ignored", *remarks)
+    if remarks:
+        _log.warning("%s: %s", shape.name, "; ".join(remarks))
+    return shape if np.array_equal(faces, shape.faces) else replace(shape, faces=faces)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.records import InputError, load_record, save_record
+from datasets_gen.records import InputError, load_record, save_record, unpacking
 from datasets_gen.shape import Shape
 
 _KIND = "Collection"
@@ -137,7 +137,7 @@ class Collection:
             If the file is missing, cut short, or holds something else.
         """
         arrays, meta = load_record(path, _KIND)
-        try:
+        with unpacking(path, _KIND):
             shapes = {
                 pose: Shape(vertices, arrays["faces"], name, meta["subject"], pose, meta["units"])
                 for pose, name, vertices in zip(
@@ -146,9 +146,3 @@ class Collection:
             }
             chosen = tuple(shapes[pose] for pose in meta["poses"])
             return cls(meta["subject"], chosen, shapes[meta["reference"]], arrays.get("mirror"))
-        except (KeyError, ValueError) as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError(
-                f"{str(path)!r} is a {_KIND} file of another version ({error}); make it again"
-            ) from error

@@ -88,7 +88,9 @@ def code_fingerprint(*modules: str) -> str:
 @cache
 def _fingerprint(modules: tuple[str, ...], files: str) -> str:
     """The fingerprint, computed once; `files` changes when a file among the modules was edited."""
-    sources = {name: _facts(name).substance for name in _reached(modules)}
+    sources = {
+        Path(name).name if _is_file(name) else name: _facts(name).substance for name in _reached(modules)
+    }
     return digest([sources, library_versions(*modules)])[:16]
 
 

@@ -3,6 +3,7 @@
 The leftmost package owns these because every other package uses them.
 """
 
+import errno
 import json
 import os
 import tempfile
@@ -14,6 +15,9 @@ from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+
+_DEVICE_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""Of a device that cannot take a file, whatever the writer does."""
 
 
 class InputError(ValueError):
@@ -33,17 +37,16 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     InputError
-        If the folder cannot be created or is not writable.
+        If it is no path or a folder, its folder cannot be created or written, or the device is full.
     """
-    target = Path(path)
+    target = as_path(path)
+    if target.is_dir():
+        raise InputError(f"cannot write {str(target)!r}: it is a folder; choose a file name")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            f"cannot write {str(target)!r}: {reason}; choose a folder you can write to"
-        ) from error
+        raise _cannot_write(target, error) from error
     os.close(handle)
     temporary = Path(name)
     try:
@@ -52,9 +55,23 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)  # mkstemp's 0600 would hide results from a group
         temporary.replace(target)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno in _DEVICE_ERRORS:
+            raise _cannot_write(target, error) from error
         raise
+
+
+def _cannot_write(target: Path, error: OSError) -> InputError:
+    reason = error.strerror or str(error)
+    return InputError(f"cannot write {str(target)!r}: {reason}; choose a folder you can write to")
+
+
+def as_path(path: Any) -> Path:
+    """The path; InputError if it is none."""
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"{path!r} is no path of a file; give one")
+    return Path(path)
 
 
 def save_record(
@@ -73,11 +90,22 @@ def save_record(
     arrays
         Arrays by name. The names ``kind`` and ``meta`` are taken.
     meta
-        Values that JSON can hold.
+        Values that JSON can hold; NumPy's are written as Python's.
     """
     with atomic_path(path) as temporary, temporary.open("wb") as stream:
-        fields: dict[str, Any] = {"kind": np.array(kind), "meta": np.array(json.dumps(meta)), **arrays}
+        fields: dict[str, Any] = {
+            "kind": np.array(kind),
+            "meta": np.array(json.dumps(meta, default=_plain)),
+            **arrays,
+        }
         np.savez(stream, **fields)
+
+
+def _plain(value: Any) -> Any:
+    """A scalar or an array of NumPy as JSON can hold it."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(f"a record cannot hold {value!r}")
 
 
 def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -93,7 +121,7 @@ def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any]
         If the file is missing, cut short, or holds another kind of record.
     """
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with np.load(as_path(path), allow_pickle=False) as data:
             found = str(data["kind"]) if "kind" in data else "no medialbench record"
             if found != kind:
                 raise InputError(f"{str(path)!r} holds {found!r}, not {kind!r}")
@@ -101,7 +129,20 @@ def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any]
             return {name: data[name] for name in data.files if name not in ("kind", "meta")}, meta
     except FileNotFoundError as error:
         raise InputError(f"{str(path)!r} does not exist") from error
-    except (OSError, EOFError, BadZipFile, ValueError, KeyError) as error:
+    except (OSError, EOFError, BadZipFile, ValueError, KeyError, TypeError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{str(path)!r} is not a readable {kind} file ({error}); make it again") from error
+
+
+@contextmanager
+def unpacking(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
+    """A context in which what `load_record` gave is put together: what a file lacks is an `InputError`."""
+    try:
+        yield
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{str(path)!r} is a {kind} file of another version ({error}); make it again"
+        ) from error

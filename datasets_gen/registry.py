@@ -6,7 +6,6 @@ import logging
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -16,6 +15,7 @@ from datasets_gen.cache import cache_path, fetch, store
 from datasets_gen.collection import Collection
 from datasets_gen.collections.folder import load_folder, outline_folder, pose_list
 from datasets_gen.records import InputError
+from datasets_gen.values import check_seed, check_types
 
 T = TypeVar("T")
 
@@ -62,6 +62,7 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     InputError
         If the name is neither, or an option is not known.
     """
+    _check_name(name)
     if str(name) in BUILT_IN:
         return _called(_load_built_in, str(name), options)
     if str(name) and Path(name).is_dir():
@@ -87,6 +88,7 @@ def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
     InputError
         As `load` does for names and options; contents of mesh files are not looked at.
     """
+    _check_name(name)
     if str(name) in BUILT_IN:
         return _called(_outline_built_in, str(name), options)
     if str(name) and Path(name).is_dir():
@@ -95,7 +97,7 @@ def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
 
 
 def _outline_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = None) -> dict[str, Any]:
-    _check_seed(name, seed)
+    check_seed(seed, f"seed of {name!r}")
     known = list(BUILT_IN[name](0).poses)
     subject = f"{name}-{seed}" if seed else name
     return {
@@ -111,9 +113,11 @@ def _unknown(name: str | os.PathLike[str]) -> InputError:
     return InputError(f"no dataset {str(name)!r}, and no folder of that name; {hint}")
 
 
-def _check_seed(name: str, seed: Any) -> None:
-    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
-        raise InputError(f"seed of {name!r} is {seed!r}; give an integer from 0 on")
+def _check_name(name: Any) -> None:
+    if not isinstance(name, str | os.PathLike):
+        raise InputError(
+            f"{name!r} is no data set; give the path of a folder, or one of {', '.join(names())}"
+        )
 
 
 def _called(loader: Callable[..., T], name: str, options: dict[str, Any]) -> T:
@@ -121,11 +125,14 @@ def _called(loader: Callable[..., T], name: str, options: dict[str, Any]) -> T:
     for option in options:
         if option not in known:
             raise InputError(f"dataset {name!r} has no option {option!r}; it has {', '.join(known)}")
+    check_types(
+        loader, {key: value for key, value in options.items() if key not in ("seed", "poses")}, "option"
+    )
     return loader(name, **options)
 
 
 def _load_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = None) -> Collection:
-    _check_seed(name, seed)
+    check_seed(seed, f"seed of {name!r}")
     chosen = None if poses is None else pose_list(poses, tuple(BUILT_IN[name](0).poses), name)
     path = cache_path(name, {"seed": int(seed)}, BUILT_IN[name].__module__)
     collection = fetch(path)

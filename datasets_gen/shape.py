@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.meshes.geometry import face_areas
-from datasets_gen.records import load_record, save_record
+from datasets_gen.meshes.geometry import face_areas, solid_faces
+from datasets_gen.records import load_record, save_record, unpacking
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,6 +62,28 @@ class Shape:
         return face_areas(self.vertices, self.faces)
 
     @property
+    def on_surface(self) -> NDArray[np.bool_]:
+        """Which vertices belong to a face with area, (v,); the others are no part of the surface."""
+        used = np.zeros(len(self.vertices), dtype=bool)
+        used[self.faces[solid_faces(self.vertices, self.faces)]] = True
+        return used
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest coordinates of the surface, (2, 3), whatever the vertices off it.
+
+        Zeros if no face has area.
+        """
+        points = self.vertices[self.on_surface]
+        return np.stack([points.min(axis=0), points.max(axis=0)]) if len(points) else np.zeros((2, 3))
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the diagonal of `bounds`."""
+        low, high = self.bounds
+        return float(np.linalg.norm(high - low))
+
+    @property
     def area(self) -> float:
         """Total surface area; errors are divided by its square root."""
         return float(self.face_areas.sum())
@@ -76,4 +98,5 @@ class Shape:
     def load(cls, path: str | os.PathLike[str]) -> "Shape":
         """Read a file written by `save`."""
         arrays, meta = load_record(path, "Shape")
-        return cls(**arrays, **meta)
+        with unpacking(path, "Shape"):
+            return cls(**arrays, **meta)

@@ -1,20 +1,21 @@
 """What the code does differently from the paper's equations, each by name, to be switched off in one place.
 
-``Departures.none()`` is the paper as written. Pass it as `departures` to `medial.Diffusion.from_points`
-(Eqs. 5-15), in `medial.MatchConfig` (Eqs. 16-17, Sec. 5.2) and to
-`evaluation.metrics.diffusion_error.diffusion_error` (Eq. 18). `docs/paper.md` lists every equation as a
-readable function, and the reasons.
+``departures="none"`` is the paper as written. It is given once, where an operator is built
+(`medial.Diffusion.from_points`, Eqs. 5-15); what works on the operator follows it: `medial.match` (Sec. 4),
+`medial.intrinsic_symmetry` (Sec. 5.2) and `evaluation.diffusion_error` (Eq. 18). `docs/paper.md` lists every
+equation as a readable function, and the reasons.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from datasets_gen.records import InputError
+from datasets_gen.values import CheckedSettings
 
 
 @dataclass(frozen=True, kw_only=True)
-class Departures:
+class Departures(CheckedSettings):
     """Departures from the paper: True (the default) does what the text says, False follows the equation.
 
     Sizes (how large the reference cloud is, the cut-off, ...) are settings of `medial.operator.Operator`.
@@ -43,13 +44,11 @@ class Departures:
     mirrored_symmetry: bool = True
     """Sec. 5.2: a cloud is matched to its own mirror image rather than to itself."""
 
+    kind: ClassVar[str] = "departure"
+
     def __post_init__(self) -> None:
         """Check that every field is a truth value."""
-        for each in fields(self):
-            if not isinstance(getattr(self, each.name), bool):
-                raise InputError(
-                    f"departure {each.name} must be true or false, got {getattr(self, each.name)!r}"
-                )
+        self.check_types()
 
     @classmethod
     def none(cls) -> "Departures":
@@ -72,18 +71,14 @@ class Departures:
         """
         if isinstance(value, cls):
             return value
-        if value in ("all", "none"):
+        if isinstance(value, str) and value in ("all", "none"):
             return cls() if value == "all" else cls.none()
         if not isinstance(value, Mapping):
             raise InputError(f"departures is {value!r}; give 'all', 'none' or true and false by name")
-        known = [each.name for each in fields(cls)]
-        unknown = sorted(set(value) - set(known))
-        if unknown:
-            raise InputError(f"unknown departure {unknown[0]!r}; known are {', '.join(known)}")
         return cls(**value)
 
     def as_written(self, *names: str) -> "Departures":
-        """The same with some departures switched off."""
+        """The same with some departures switched off; InputError if one is not known."""
         return replace(self, **dict.fromkeys(names, False))
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.records import load_record, save_record
+from datasets_gen.records import load_record, save_record, unpacking
+from medial.departures import Departures
 from medial.device.backend import CPU, backend
 from medial.operator import Operator, build_operator
 from medial.places import distinct_places
@@ -88,7 +89,7 @@ class Diffusion:
             Share of the Gaussian weights in Eq. 15; None takes phi alone, as in Eq. 8.
         **settings
             Further fields of `medial.operator.Operator`: sigma_e, sigma_t, cutoff, ...;
-            ``departures="none"`` is the paper as written.
+            ``departures="none"`` is the paper as written, also for what uses the result.
 
         Raises
         ------
@@ -131,6 +132,11 @@ class Diffusion:
         """Return the number of points."""
         return len(self.points)
 
+    @property
+    def departures(self) -> Departures:
+        """What its equations do differently from the paper; matching and Eq. 18 follow it."""
+        return Departures.of(self.parameters.get("departures", "all"))
+
     def kernel(self, t: float, rows: NDArray[np.integer], cols: NDArray[np.integer]) -> NDArray[np.float64]:
         """m_t between two sets of points (Eq. 13).
 
@@ -160,7 +166,8 @@ class Diffusion:
         """Read a file written by `save`; the companion surface basis of older files is left out."""
         arrays, meta = load_record(path, "Diffusion")
         meta.pop("surface", None)
-        return cls(**{name: arrays[name] for name in _ARRAYS}, **meta)
+        with unpacking(path, "Diffusion"):
+            return cls(**{name: arrays[name] for name in _ARRAYS}, **meta)
 
 
 _ARRAYS = ("points", "normals", "areas", "eigenvalues", "eigenfunctions", "centers", "radii")

@@ -2,12 +2,14 @@
 
 import logging
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from datasets_gen.records import InputError
+from datasets_gen.values import CheckedSettings, check_count
 from medial.areas.dual_area import JOINED, areas_of_hulls, calibrated, medial_balls
 from medial.areas.surface_cells import REFERENCE_POINTS, density_weights, surface_cells
 from medial.departures import ALL_DEPARTURES, Departures
@@ -30,7 +32,7 @@ SIZE_RULES = ("density_weights", "nearest_join", "area_calibration", "diffusion_
 
 
 @dataclass(frozen=True, kw_only=True)
-class Operator:
+class Operator(CheckedSettings):
     """Settings of an operator.
 
     Attributes
@@ -56,6 +58,7 @@ class Operator:
         as written), or true and false by name.
     """
 
+    kind: ClassVar[str] = "operator setting"
     operator: str = "medial"
     modes: int = 300
     eta: float | None = 0.5
@@ -68,10 +71,10 @@ class Operator:
     departures: Departures = ALL_DEPARTURES
 
     def __post_init__(self) -> None:
+        self.check_types()
         if self.operator not in OPERATORS:
             raise InputError(f"unknown operator {self.operator!r}; choose one of {', '.join(OPERATORS)}")
-        if self.modes < 1:
-            raise InputError(f"modes is {self.modes}; ask for at least 1")
+        check_count(self.modes, "modes")
         if self.eta is not None and not 0 <= self.eta <= 1:
             raise InputError(f"eta is {self.eta}; choose it in [0, 1]")
         if self.reference_points is not None and not 0 < self.reference_points < np.inf:

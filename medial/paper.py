@@ -4,12 +4,15 @@ A reader's entry, and what ``Diffusion.from_points(..., departures="none")`` is 
 `docs/paper.md` lists all equations.
 """
 
+from dataclasses import asdict
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from medial.areas.equations import average_distance, dual_area, medial_averages, medial_neighbourhood
 from medial.areas.surface_cells import surface_areas
+from medial.departures import Departures
 from medial.diffusion import Diffusion
 from medial.laplacian.equations import combined_weights, gaussian, point_cloud_laplacian
 from medial.similarity.equations import similarity_matrix
@@ -56,4 +59,5 @@ def medial_diffusion(
     columns = [point_cloud_laplacian(unit, weights, areas) for unit in np.eye(len(points))]
     symmetric = areas[:, None] * np.column_stack(columns)
     values, functions = eigh((symmetric + symmetric.T) / 2, np.diag(areas))
-    return Diffusion(points, normals, areas, np.maximum(values, 0), functions, centers, radii, "medial")
+    made = {"eta": eta, "departures": asdict(Departures.none())}
+    return Diffusion(points, normals, areas, np.maximum(values, 0), functions, centers, radii, "medial", made)

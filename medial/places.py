@@ -60,7 +60,7 @@ def distinct_places(points: NDArray[np.floating], normals: NDArray[np.floating] 
         log.info("%d of %d points coincide with another: merged", len(given) - len(places), len(given))
     check_points(places)
     if modes >= len(places):
-        raise InputError(f"{modes} modes asked of {len(places)} points; ask for fewer or give more points")
+        raise InputError(f"{modes} modes asked of {len(places)} points; give fewer modes or more points")
     if normals is None:
         log.warning("normals are missing: estimated from the points and oriented along a spanning tree")
         merged = estimate_normals(places)

@@ -41,7 +41,9 @@ def mirror_image(diffusion: Diffusion) -> Diffusion:
     )
 
 
-def intrinsic_symmetry(diffusion: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
+def intrinsic_symmetry(
+    diffusion: Diffusion, config: MatchConfig | str | None = None, seed: int = 0
+) -> Matching:
     """Find the non-trivial symmetry of a cloud.
 
     Parameters
@@ -63,8 +65,8 @@ def intrinsic_symmetry(diffusion: Diffusion, config: MatchConfig | None = None, 
     InputError
         If the selection is not by fit.
     """
-    config = config or MatchConfig()
-    if not config.departures.mirrored_symmetry:
+    config = MatchConfig.of(config, diffusion.departures)
+    if not (config.departures or diffusion.departures).mirrored_symmetry:
         return match(diffusion, diffusion, config, seed)
     if config.selection != "fit":
         raise InputError(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from datasets_gen.records import InputError
+from datasets_gen.values import real_array
 
 log = logging.getLogger(__name__)
 
@@ -47,7 +48,7 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     InputError
         If the array is not (n, 3), has fewer than 8 rows or holds values that are not finite.
     """
-    checked: NDArray[np.float64] = np.ascontiguousarray(points, dtype=np.float64)
+    checked: NDArray[np.float64] = np.ascontiguousarray(real_array(points, "the cloud"))
     if checked.ndim != 2 or checked.shape[1] != 3:
         raise InputError(f"points have shape {checked.shape}; give an (n, 3) array")
     if len(checked) < FEWEST_POINTS:
@@ -68,7 +69,7 @@ def unit_normals(points: NDArray[np.float64], normals: NDArray[np.floating]) -> 
     InputError
         If the shapes differ, or a normal is not finite or has no length.
     """
-    normals = np.ascontiguousarray(normals, dtype=np.float64)
+    normals = np.ascontiguousarray(real_array(normals, "the array of normals"))
     if normals.shape != points.shape:
         raise InputError(
             f"normals have shape {normals.shape}, points {points.shape}; give one normal per point"

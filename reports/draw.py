@@ -7,13 +7,14 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from datasets_gen import Collection, InputError, Shape
+from datasets_gen.values import check_count
 from medial import Diffusion, Matching
 from reports.cli.cloud_files import file_kind
 from reports.figures.cloud_drawing import DrawnCloud
 from reports.figures.dense_map import dense_map
 from reports.figures.diffusion_modes import diffusion_modes
 from reports.figures.scan_series import ScanView, scan_series
-from reports.given_clouds import as_cloud
+from reports.given_clouds import as_cloud, check_pair
 from scanner_sim import Scan, sample
 
 SAMPLES = 12_000
@@ -24,6 +25,7 @@ NAMELESS = "cloud"
 """Title of a cloud of arrays."""
 HEIGHT = 480
 """Pixels of a cloud."""
+LEAST_HEIGHT = 10
 RECORDS: dict[str, Callable[[Path], Any]] = {
     "Collection": Collection.load,
     "Correspondence": Matching.load,
@@ -54,6 +56,7 @@ def draw(thing: Any, *others: Any, up: str | None = None, height: int = HEIGHT, 
     InputError
         If it cannot be drawn, or an option is not known.
     """
+    height = check_count(height, "height", LEAST_HEIGHT)
     if isinstance(thing, str | Path):
         thing = _loaded(Path(thing))
     allowed = {"mode"} if isinstance(thing, Diffusion) else set()
@@ -119,12 +122,7 @@ def _map(found: Matching, others: tuple[Any, ...], height: int, up: int) -> Figu
     if len(others) > 2:
         raise InputError(f"a Matching has two clouds, got {len(others)}; give source and target")
     source, target = (as_cloud(each, SAMPLES, name=NAMELESS, warn=False) for each in (others[0], others[-1]))
-    if len(source) != len(found):
-        raise InputError(f"the map has {len(found)} source points, the first cloud {len(source)}")
-    if len(found) and found.source_to_target.max() >= len(target):
-        raise InputError(
-            f"the map names target point {found.source_to_target.max()}, the second cloud has {len(target)}"
-        )
+    check_pair(found, source, target)
     here, there = (DrawnCloud(c.points, c.normals, _caption(c)) for c in (source, target))
     return dense_map(
         here, there, found.source_to_target, found.confidence, found.landmarks, height=height, up=up

@@ -8,11 +8,17 @@ from typing import Any
 import numpy as np
 
 from datasets_gen import InputError, Shape, as_shape
-from medial import Diffusion, Matching
+from datasets_gen.values import check_count, check_seed, real_array
+from medial import Departures, Diffusion, MatchConfig, Matching
+from medial.matching.common_units import SETTINGS
 from reports.cli.cloud_files import ThinnedCloud, bare_scan, check_finite, read_cloud, with_normals
 from scanner_sim import Scan, sample
 
-ACCEPTED = "a Scan, an (n, 3) array, (points, normals), a path, a Shape or a Diffusion"
+ACCEPTED = "a Scan, an (n, 3) array, (points, normals), (vertices, faces), a path, a Shape or a Diffusion"
+SHARED = (*SETTINGS, "departures")
+"""Settings of an operator that both clouds of a pair share."""
+SAME = 1e-5
+"""Difference of coordinates, over the extent, up to which points are the same: files round."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,7 @@ def as_cloud(
     ----------
     given
         A `Scan`; an (n, 3) array; a pair of points and normals, each (n, 3); the path of a scan, a cloud or a
-        mesh; a `Shape` or a ``trimesh.Trimesh``; or a `Diffusion`.
+        mesh; a `Shape`, a ``trimesh.Trimesh`` or (vertices, faces), with faces as integers; or a `Diffusion`.
     points, seed
         Number of samples of a mesh, and their seed.
     name
@@ -56,12 +62,23 @@ def as_cloud(
         return read_cloud(Path(given), points, seed)
     elif isinstance(given, Diffusion):
         cloud = bare_scan(given.points, given.normals, name)
-    elif isinstance(given, Shape) or len(getattr(given, "faces", ())):
+    elif isinstance(given, Shape) or len(getattr(given, "faces", ())) or _is_mesh(given):
         cloud = sample(as_shape(given), points, seed)
     else:
         cloud = _from_arrays(given, name)
     check_finite(cloud, name)
     return with_normals(cloud, name, warn)
+
+
+def _is_mesh(given: Any) -> bool:
+    """Whether a pair holds vertices and faces; integer normals have no component above 1."""
+    if not (isinstance(given, tuple | list) and len(given) == 2):
+        return False
+    try:
+        faces = np.asarray(given[1])
+    except ValueError:
+        return False
+    return bool(faces.ndim == 2 and np.issubdtype(faces.dtype, np.integer) and (faces > 1).any())
 
 
 def _from_arrays(given: Any, name: str) -> Scan:
@@ -71,9 +88,9 @@ def _from_arrays(given: Any, name: str) -> Scan:
     arrays = []
     for part in parts:
         try:
-            array = np.asarray(part, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{name} is {type(given).__name__!r}; give {ACCEPTED}") from error
+            array = real_array(part, name)
+        except InputError as error:
+            raise InputError(f"{error}; give {ACCEPTED}") from error
         if array.ndim != 2 or array.shape[1] != 3:
             raise InputError(f"{name} has an array of shape {array.shape}, not (n, 3); give {ACCEPTED}")
         arrays.append(array)
@@ -82,6 +99,11 @@ def _from_arrays(given: Any, name: str) -> Scan:
             f"{name} has {len(arrays[0])} points and {len(arrays[1])} normals; give a normal for each point"
         )
     return bare_scan(arrays[0], arrays[1] if pair else None, name)
+
+
+def check_config(config: Any) -> None:
+    """Raise InputError, before operators are built, unless it is something that the matcher takes."""
+    MatchConfig.of(config, Departures())
 
 
 def prepared(
@@ -106,11 +128,14 @@ def prepared(
     seed
         Of samples and of the choice of points.
     """
+    points, seed = check_count(points, "points"), check_seed(seed)
     if isinstance(given, Diffusion):
+        for key in [each for each in SHARED if each in settings]:
+            made, asked = given.parameters.get(key, settings[key]), settings[key]
+            if made != asked and (key != "departures" or given.departures != Departures.of(asked)):
+                raise InputError(f"{name} is a Diffusion with other {key}; build it with {key}={asked!r}")
         cloud = bare_scan(given.points, given.normals, name)
         return CloudToMatch(ThinnedCloud.of(cloud, len(given)), given)
-    if points < 1:
-        raise InputError(f"cannot match {points!r} points; ask for at least 1")
     thinned = ThinnedCloud.of(as_cloud(given, points, seed, name), points, seed)
     scan = thinned.scan
     return CloudToMatch(
@@ -127,14 +152,41 @@ def prepared_pair(
     seed: int,
     settings: Mapping[str, Any],
 ) -> tuple[CloudToMatch, CloudToMatch]:
-    """Both clouds of a pair; where one is a `Diffusion`, the other gets its operator and number of modes."""
+    """Both clouds of a pair; where one is a `Diffusion`, the other gets its operator, modes and settings."""
     for given in (source, target):
         if isinstance(given, Diffusion):
             operator, modes = given.operator, len(given.eigenvalues)
+            shared = {key: given.parameters[key] for key in SHARED if key in given.parameters}
+            settings = {**shared, **settings}
     return (
         prepared(source, operator, points, modes, seed, settings, "the source"),
         prepared(target, operator, points, modes, seed, settings, "the target"),
     )
+
+
+def check_pair(found: Matching, source: Scan, target: Scan) -> None:
+    """Raise InputError unless a map goes from one cloud to another, as far as it can be told."""
+    if not isinstance(found, Matching) or np.asarray(found.source_to_target).dtype.kind not in "iu":
+        what = "Matching without integer ids" if isinstance(found, Matching) else type(found).__name__
+        raise InputError(
+            f"a {what} is no map; give what match() returns, or evaluation.methods.dense(ids, confidence)"
+        )
+    if len(source) != len(found):
+        raise InputError(f"the map does not fit: it has {len(found)} source points, the source {len(source)}")
+    if len(found) and found.source_to_target.max() >= len(target):
+        last = found.source_to_target.max()
+        raise InputError(f"the map does not fit: it names target point {last}, the target has {len(target)}")
+    for name, held, given in (
+        ("source", found.source_points, source.points),
+        ("target", found.target_points, target.points),
+    ):
+        if held is not None and not (
+            held.shape == given.shape and np.allclose(held, given, 0, SAME * np.ptp(held))
+        ):
+            raise InputError(
+                f"the map was made of another {name}: its points are not those of the one given; "
+                "give the clouds that were matched, the source first"
+            )
 
 
 def extended(found: Matching, source: CloudToMatch, target: CloudToMatch) -> Matching:

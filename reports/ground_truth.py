@@ -12,7 +12,11 @@ from evaluation.metrics.correspondence import SurfacePoints, correspondence_erro
 from evaluation.metrics.diffusion_error import diffusion_error
 from evaluation.metrics.geodesic import SurfaceDistance
 from medial import Diffusion, Matching
+from reports.given_clouds import check_pair
 from scanner_sim import Scan, sample
+
+ON_SURFACE = 1e-3
+"""Largest median distance, in sqrt(area), of a scan's exact hits from where a pose has them."""
 
 
 def rest_pose(body: Collection | Shape) -> Shape:
@@ -30,13 +34,12 @@ def rest_pose(body: Collection | Shape) -> Shape:
     raise InputError(f"{type(body).__name__!r} is no body; give a Collection or the Shape of the rest pose")
 
 
-def places_on(rest: Shape, scan: Scan, name: str) -> SurfacePoints:
+def places_on(body: Collection | Shape, scan: Scan, name: str) -> SurfacePoints:
     """Where the points of a scan lie on the rest pose.
 
     Parameters
     ----------
-    rest
-    scan
+    body, scan
     name
         For messages.
 
@@ -45,6 +48,7 @@ def places_on(rest: Shape, scan: Scan, name: str) -> SurfacePoints:
     InputError
         If the scan does not know where its points come from, or they come from another body.
     """
+    rest = rest_pose(body)
     if not isinstance(scan, Scan):
         raise InputError(f"the {name} is {type(scan).__name__!r}, which has no ground truth; give a Scan")
     if (scan.face_ids < 0).any():
@@ -56,7 +60,22 @@ def places_on(rest: Shape, scan: Scan, name: str) -> SurfacePoints:
             f"the {name} has points on face {scan.face_ids.max()}, but {rest.name!r} has {len(rest.faces)} "
             "faces; give the body that was scanned"
         )
-    return SurfacePoints(scan.face_ids, scan.barycentrics)
+    places = SurfacePoints(scan.face_ids, scan.barycentrics)
+    poses = (rest, *body) if isinstance(body, Collection) else (rest,)
+    subject = scan.shape_name.rpartition("/")[0]
+    untold = not subject and isinstance(body, Shape)  # a scan of a file, and one pose: any other may be meant
+    if subject != body.subject and not untold and not any(_hit(pose, places, scan) for pose in poses):
+        raise InputError(
+            f"the {name} is a scan of {scan.shape_name!r}, which is no pose of {body.subject!r}; "
+            "give the body that was scanned"
+        )
+    return places
+
+
+def _hit(pose: Shape, places: SurfacePoints, scan: Scan) -> bool:
+    """Whether a scan was made of a pose: its exact hits are where the pose has their faces."""
+    gaps = np.linalg.norm(places.on(pose) - scan.true_points, axis=1)
+    return not len(scan) or bool(np.median(gaps) <= ON_SURFACE * np.sqrt(pose.area))
 
 
 def geodesic_error_of_map(
@@ -64,7 +83,8 @@ def geodesic_error_of_map(
 ) -> NDArray[np.float64]:
     """Errors of a map per source point, x 100 / sqrt(area); see `medialbench.geodesic_error`."""
     rest = rest_pose(body)
-    here, there = places_on(rest, source, "source"), places_on(rest, target, "target")
+    here, there = places_on(body, source, "source"), places_on(body, target, "target")
+    check_pair(matching, source, target)
     distance = SurfaceDistance(rest)
     return 100 * correspondence_error(distance, here, there, matching.source_to_target, rest.area)
 
@@ -74,7 +94,7 @@ def diffusion_error_of_scan(
 ) -> float:
     """Eq. 18 of a scan against as many samples of the rest pose; see `medialbench.diffusion_error`."""
     rest = rest_pose(body)
-    places = places_on(rest, scan, "scan")
+    places = places_on(body, scan, "scan")
     complete = sample(rest, len(scan), seed)
     reference, cloud = (
         Diffusion.from_points(each.points, each.normals, operator=operator, modes=modes, **settings)

@@ -1,7 +1,9 @@
 """Laser-triangulation scanner of [BLN*11], simulated with Mitsuba 3.
 
-Read `scanner_config` (every parameter), `scan` (the result) and `scanner` (one scan, step by step); then
-the folders ``optics`` (the physics), ``tracing`` (Mitsuba) and ``output`` (files for other programs).
+Read `scanner_config` (every parameter; `scanner_rules`, what values they may take), `scan` (the result) and
+`scanner` (one scan, step by step); then the folders ``optics`` (the physics), ``tracing`` (Mitsuba),
+``motion`` (where cameras stand, the line profiler), ``presets`` (settings of known devices) and ``output``
+(files for other programs). `leading_reason` says why nothing was acquired.
 `ideal` samples a complete surface and measures how much of it a scan covers; `view_alignment` disturbs and
 repairs the placement of the views. All but ``output`` decides scans to the last bit.
 

@@ -104,7 +104,7 @@ def coverage(scan: Scan, shape: Shape, radius: float | None = None, samples: int
         A scan of `shape`.
     shape
     radius
-        In mesh units; 1 % of the bounding box's diagonal if not given.
+        In mesh units; 1 % of the diagonal of the surface's bounding box if not given.
     samples
         Random surface points that measure the area; the standard error is below ``0.5 / sqrt(samples)``.
 
@@ -119,7 +119,7 @@ def coverage(scan: Scan, shape: Shape, radius: float | None = None, samples: int
         If the radius is not positive.
     """
     if radius is None:
-        radius = 0.01 * float(np.linalg.norm(np.ptp(shape.vertices, axis=0)))
+        radius = 0.01 * shape.diagonal
     if not radius > 0:
         raise InputError(f"coverage radius must be positive, got {radius!r}")
     if len(scan) == 0:

@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import asdict, dataclass, field, fields, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError, load_record, save_record
+from datasets_gen.values import check_count, check_seed
 from scanner_sim.output.ply import write_points
 from scanner_sim.scanner_config import ScannerConfig
 
@@ -34,13 +36,16 @@ class Scan:
         Fitted peak; `accept` thresholds it.
     view_ids : (n,) int32
     pixels : (n, 2) int32
-        Column and row.
+        Column and row; of a profiler frame and row.
     width : (n,) float64
-        Fitted width s of the peak ``exp(-(theta - angle)^2 / s^2)``, radians of the laser's sweep.
+        Fitted width s of the peak ``exp(-(theta - angle)^2 / s^2)``, radians of the laser's sweep; of a
+        profiler columns.
     angle : (n,) float64
-        Fitted position of the peak, radians: 0 along the viewing direction, positive to the right.
+        Fitted position of the peak, radians: 0 along the viewing direction, positive to the right; of a
+        profiler the column.
     poses : (V, 4, 4) float64
-        Camera-to-mesh matrices (x right, y down, z forward), translation in mesh units.
+        Camera-to-mesh matrices (x right, y down, z forward), translation in mesh units; of a profiler in the
+        first frame. With two cameras, those of the first come before those of the second.
     scale : float
         Millimetres of the rig per mesh unit.
     shape_name : str
@@ -71,6 +76,10 @@ class Scan:
     def __len__(self) -> int:
         """Return the number of points."""
         return len(self.points)
+
+    def __repr__(self) -> str:
+        """One line: what was scanned, the number of points and of views."""
+        return f"Scan({self.shape_name!r}: {len(self):,} points, {len(self.poses)} views)"
 
     def select(self, index: NDArray[np.integer] | NDArray[np.bool_]) -> "Scan":
         """The points of an index or mask, in its order."""
@@ -103,35 +112,30 @@ class Scan:
         seed
             Picks the first point.
         """
-        if n < 1:
-            raise InputError(f"cannot subsample to {n!r} points; ask for at least 1")
-        if n >= len(self):
+        if check_count(n, "points") >= len(self):
             return self
-        start = int(np.random.default_rng(seed).integers(len(self)))
+        start = int(np.random.default_rng(check_seed(seed)).integers(len(self)))
         return self.select(farthest_points(self.true_points, n, start))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything as ``.npz``, or the points with their attributes as ``.ply``.
+        """Write everything as ``.npz``, or the points with their attributes for other programs.
 
         Properties of a PLY vertex: doubles ``x y z``, barycentrics ``b0 b1 b2``, ``true_x true_y true_z`` and
         the laser's ``angle`` and ``width`` in radians; floats ``nx ny nz intensity``; ints ``view face column
         row``. Open3D (tensor reader) and trimesh keep all of them; MeshLab reads points, normals and
-        ``quality``, which repeats the intensity.
+        ``quality``, which repeats the intensity. ``.las``, ``.laz`` and ``.e57`` need the packages of the
+        extra ``exports``; see `scanner_sim.output.las` and `scanner_sim.output.e57`.
 
         Raises
         ------
         InputError
-            If the file cannot be written.
+            If the suffix is another one, or the file cannot be written.
         """
-        if Path(path).suffix.lower() == ".ply":
-            unit = f"{self.scale!r} mm of the scanner per unit, peak threshold {self.config.peak_threshold}"
-            title = f"medialbench scan of {self.shape_name}, seed {self.seed}"
-            write_points(path, _ply_properties(self), (title, unit))
-            return
-        arrays = {name: getattr(self, name) for name in (*_ARRAYS, "poses")}
-        meta = {name: getattr(self, name) for name in ("shape_name", "seed", "scale", "variant")}
-        meta["config"] = asdict(self.config)
-        save_record(path, "Scan", arrays, meta)
+        suffix = Path(path).suffix.lower()
+        if suffix not in _WRITERS:
+            raise InputError(f"cannot write {str(path)!r}; a scan is written as {', '.join(_WRITERS)}")
+        module, _, function = _WRITERS[suffix].rpartition(".")
+        getattr(import_module(module), function)(path, self)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Scan":
@@ -143,6 +147,30 @@ class Scan:
 
 _WHOLE = ("poses", "scale", "shape_name", "config", "seed", "variant")
 _ARRAYS = [f.name for f in fields(Scan) if f.name not in _WHOLE]
+
+
+_WRITERS = {
+    ".npz": "scanner_sim.scan.write_npz",
+    ".ply": "scanner_sim.scan.write_ply",
+    ".las": "scanner_sim.output.las.write_las",
+    ".laz": "scanner_sim.output.las.write_las",
+    ".e57": "scanner_sim.output.e57.write_e57",
+}
+"""Function of a path and a scan by suffix; modules are imported by the first file that needs them."""
+
+
+def write_npz(path: str | os.PathLike[str], scan: Scan) -> None:
+    """Write everything that `Scan.load` reads."""
+    arrays = {name: getattr(scan, name) for name in (*_ARRAYS, "poses")}
+    meta = {name: getattr(scan, name) for name in ("shape_name", "seed", "scale", "variant")}
+    meta["config"] = asdict(scan.config)
+    save_record(path, "Scan", arrays, meta)
+
+
+def write_ply(path: str | os.PathLike[str], scan: Scan) -> None:
+    """Write the points with their attributes; the header says what frame and units they are in."""
+    notes = import_module("scanner_sim.output.frame_note").frame_note(scan)
+    write_points(path, _ply_properties(scan), notes)
 
 
 def _ply_properties(scan: Scan) -> dict[str, NDArray[Any]]:

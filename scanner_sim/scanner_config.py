@@ -1,13 +1,15 @@
 """Parameters of the scanner, in millimetres for an object whose largest side is `object_size`."""
 
-import json
 import math
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal
 
 from datasets_gen.records import InputError
-from scanner_sim.optics.viewpoints import Views, check_views
+from scanner_sim.optics.viewpoints import Views, as_tuples, check_views
+from scanner_sim.presets import expanded, nearest
+from scanner_sim.scanner_rules import check_types, check_values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +28,8 @@ class ScannerConfig:
     # the rig
     views: Views = 10
     """Viewpoints: a count (near-uniform on the sphere), ``"sphere:N"``, ``"ring:N"`` (about `up`),
-    ``"opposed"`` (front and back), or directions ``((x, y, z), ...)`` from the object's centre."""
+    ``"opposed"`` (front and back), ``"turntable:N"`` or ``"turntable:N@ELEVATION"`` (degrees), directions
+    ``((x, y, z), ...)`` from the object's centre, or 4 x 4 camera-to-mesh matrices."""
     up: Literal["x", "y", "z"] = "y"
     """Axis of the mesh that is up: axis of rings, and image up. The front is the next axis (y up: z)."""
     distance: float | None = None
@@ -40,11 +43,33 @@ class ScannerConfig:
     baseline: float = 50.0
     """Distance of the laser from the camera, to the right in the image, mm."""
     min_range: float = 70.0
-    """Smallest depth swept, and distance of the eye from the object's bounding sphere, mm."""
+    """Smallest distance from the eye that is swept, along the rays at the image's edges, as in the reference;
+    and distance of the eye from the object's bounding sphere, mm."""
     max_range: float = 300.0
-    """Largest depth swept, mm."""
+    """Largest distance from the eye that is swept, along the rays at the image's edges, mm."""
     object_size: float = 75.0
     """Largest side of the object's bounding box, mm; the unit of the other lengths."""
+    cameras: Literal[1, 2] = 1
+    """2: a second camera on the other side of the laser, turned to the object as the first one is."""
+
+    # motion
+    motion: Literal["sweep", "profiler"] = "sweep"
+    """How the sheet crosses the object: it turns while camera and object stand still, or it stands still in
+    a rig that moves past the object and measures one profile per frame."""
+    profile_step: float = 0.25
+    """Profiler: travel of the rig between two frames, mm."""
+    part_velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Profiler: motion of the object that nobody corrects for, mm per frame, in camera coordinates."""
+
+    # errors of calibration: the rig has them, the triangulation does not know
+    focal_error: float = 0.0
+    """Relative error of the assumed focal length."""
+    principal_point_error: tuple[float, float] = (0.0, 0.0)
+    """Error of the assumed principal point, pixels."""
+    baseline_error: float = 0.0
+    """Error of the assumed baseline, mm."""
+    sheet_error: float = 0.0
+    """Error of the assumed sheet angle, degrees."""
 
     # the light
     stripes: int = 400
@@ -56,18 +81,37 @@ class ScannerConfig:
     beam_waist: float = 0.5
     """Smallest 1/e^2 radius of the Gaussian beam, at about the distance of the object's centre, mm."""
     wavelength: float = 650.0
-    """Of the Gaussian beam's divergence, nm."""
+    """Of the laser, nm: decides how a Gaussian beam diverges, and which of a mesh's colours it sees."""
     falloff: Literal["none", "inverse_square"] = "none"
     """Irradiance over distance: constant as in the reference, or 1/r^2 with 1 at the nearest depth swept."""
     smoothing: float = 0.0
-    """Gaussian blur of each stripe's image, standard deviation in pixels (the reference's laser smoother)."""
+    """Gaussian blur of each stripe's image, standard deviation in pixels. The reference's laser smoother s
+    has the kernel exp(-2 x^2 / s^2): its s is twice this."""
+    smoothing_stage: Literal["light", "image"] = "light"
+    """What is blurred: the light before it reaches the sensor, as a lens does, or the stored image after
+    noise and quantisation, as the reference does."""
+    footprint: int = 1
+    """Rays per pixel and axis, an odd number: with more than one, a pixel gathers light from all of its area,
+    so that depth edges mix. 1: through pixel centres, as in the reference."""
+    ambient: float = 0.0
+    """Light of the room, relative to the laser's peak on a white surface that faces it."""
 
     # the surface
     material: str | Mapping[str, Any] = field(default="white", hash=False)
     """A name of `scanner_sim.MATERIALS` or a Mitsuba BSDF as a table, such as
-    ``{type = "roughplastic", alpha = 0.2}``."""
+    ``{type = "roughplastic", alpha = 0.2}``; ``"colours"`` takes the mesh's own colours or texture as
+    albedo at the laser's wavelength."""
     shading: Literal["smooth", "flat"] = "smooth"
     """Normals that reflect light and are reported as true: interpolated vertex normals, or face normals."""
+    crease_angle: float = 60.0
+    """Smooth shading: edges whose faces turn by more than this are sharp, degrees; 180: none is."""
+    translucency: float = 0.0
+    """Mean depth from which light returns below the surface, mm; 0: opaque."""
+    refractive_index: float = 1.5
+    """Of a translucent surface."""
+    background: float | None = None
+    """Distance of a white plane behind the object's centre, as the camera sees it, mm; None: no plane. It
+    hides nothing but mixes with the object at silhouettes; its own points are dropped."""
     bounces: int = 1
     """Reflections followed from the laser to the camera. More than 1 adds the light of path tracing under
     every stripe: for validation, thousands of times slower."""
@@ -75,6 +119,10 @@ class ScannerConfig:
     # the camera's sensor
     noise: float = 0.0
     """Magnitude A of the reference's additive speckle, in [0, 1]; it only darkens."""
+    speckle_contrast: float = 0.0
+    """Contrast (standard deviation over mean) of multiplicative laser speckle; 1: fully developed."""
+    speckle_size: float = 1.0
+    """Correlation length of multiplicative speckle on the sensor, pixels."""
     exposure: float = 1.0
     """Light collected, relative to a white surface that faces the laser reading 1."""
     full_well: int = 0
@@ -83,19 +131,29 @@ class ScannerConfig:
     """Standard deviation of the noise of reading out, in intensities before `gain`."""
     gain: float = 1.0
     """Amplification after shot and read noise; lifts dark materials up to saturation at 1."""
+    dark_level: float = 0.0
+    """Intensity stored without any light; known, and subtracted before peaks are fitted."""
     bits: int = 8
     """Quantisation of the camera's intensities; 0 for none."""
+    quantisation: Literal["round", "truncate"] = "round"
+    """To the nearest level, or to the one below, as in the reference."""
 
     # from intensities to points
-    fit: Literal["iterative", "closed"] = "iterative"
-    """Peak fit: least squares on intensities, or a weighted parabola through their logarithms."""
+    fit: Literal["reference", "least_squares", "gaussian", "centre_of_mass", "parabola", "fir", "steger"] = (
+        "reference"
+    )
+    """Peak detector (`scanner_sim.optics.peak`). ``"reference"``: that of [BLN*11], whose largest sample is
+    the peak that `peak_threshold` means; ``"least_squares"``: a Gaussian with saturated samples censored;
+    the others are the usual detectors of laser lines."""
     peak_threshold: float = 0.1
     """Smallest accepted fitted peak, in (0, 1]; tau of the sweeps. Noise-free, on a white diffuse surface,
     it is the smallest accepted cosine between the normal and the direction to the laser."""
     std_threshold: float = 1.5
-    """Largest accepted fitted width, relative to the width of the stripe that was cast."""
+    """Largest accepted fitted width, relative to the width of the stripe that was cast and blurred; with the
+    reference's fit, relative to half of `stripe_width`."""
     residual_threshold: float = 0.15
-    """Largest accepted root mean square residual of the fit, relative to the fitted peak."""
+    """Largest accepted root mean square residual of the fit, relative to the fitted peak. Not used by the
+    reference's fit, which accepts half a sum of squares up to 0.1."""
     depth_threshold: float | None = None
     """Largest accepted distance to the true point, mm; None: any. The reference uses 4, but a real scanner
     does not know the truth."""
@@ -103,8 +161,10 @@ class ScannerConfig:
     """Angle by which each view is turned about its centroid, about a random axis, degrees."""
     realign: bool = False
     """Re-align the views by ICP."""
-    normals: Literal["true", "pca", "mst"] = "true"
-    """True ones; PCA within each view with the sign from the scanner; PCA with signs by a spanning tree."""
+    normals: Literal["true", "pca", "pca_merged", "pca_true_sign", "mst"] = "true"
+    """True ones; PCA within each view, or over the points of all views, with the sign from the scanner; the
+    latter with the sign of the true normal, as in the reference; PCA over all views with signs by a spanning
+    tree, whose side as a whole the scanner decides."""
     neighbours: int = 12
     """Points of a PCA, the point itself not counted."""
 
@@ -112,18 +172,18 @@ class ScannerConfig:
         """Bring sequences from TOML or JSON into tuples and check every value."""
         if not isinstance(self.views, int | str):
             check_views(self.views)
-            object.__setattr__(self, "views", tuple(tuple(float(x) for x in d) for d in self.views))
+            object.__setattr__(self, "views", as_tuples(self.views))
         check_views(self.views)
-        for name in ("resolution", "distortion"):
+        for name in ("resolution", "distortion", "principal_point_error", "part_velocity"):
             value = getattr(self, name)
             if isinstance(value, list):
                 object.__setattr__(self, name, tuple(value))
-        _check_types(self)
-        _check_values(self)
+        check_types(self)
+        check_values(self)
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "ScannerConfig":
-        """Build from a mapping, as read from TOML or JSON.
+        """Build from a mapping, as read from TOML or JSON; ``preset`` names a preset to start from.
 
         Raises
         ------
@@ -131,10 +191,24 @@ class ScannerConfig:
             If a key is unknown; the message lists the known ones.
         """
         known = sorted(f.name for f in fields(cls))
-        unknown = sorted(set(values) - set(known))
+        settings = expanded(values, known)
+        unknown = sorted(set(settings) - set(known))
         if unknown:
-            raise InputError(f"unknown scanner setting {unknown[0]!r}; known settings are {', '.join(known)}")
-        return cls(**values)
+            raise InputError(
+                f"unknown scanner setting {unknown[0]!r}{nearest(unknown[0], known)}; known settings are "
+                f"{', '.join(known)}"
+            )
+        return cls(**settings)
+
+    @classmethod
+    def preset(cls, name: str | os.PathLike[str], **changes: Any) -> "ScannerConfig":
+        """The scanner of a preset (`scanner_sim.presets`) or a ``.toml`` file, with some settings changed."""
+        return cls.from_dict({"preset": name, **changes})
+
+    @classmethod
+    def reference(cls, **changes: Any) -> "ScannerConfig":
+        """The reference program of [BLN*11] as it was measured, with some settings changed."""
+        return cls.preset("reference", **changes)
 
     @property
     def half_width(self) -> float:
@@ -169,10 +243,11 @@ class ScannerConfig:
 
         The sheet's angle is 0 along the viewing direction and positive to the image's right.
         """
+        depths = [reach / math.hypot(1, self.half_width) for reach in (self.min_range, self.max_range)]
         edges = [
             math.atan2(side * self.half_width * depth - self.baseline, depth)
             for side in (-1, 1)
-            for depth in (self.min_range, self.max_range)
+            for depth in depths
         ]
         return min(edges), max(edges)
 
@@ -181,97 +256,3 @@ class ScannerConfig:
         """Angle Delta between stripes, radians."""
         first, last = self.sweep
         return (last - first) / self.stripes
-
-
-_LENGTHS = ("object_size", "min_range", "beam_waist", "wavelength")
-_POSITIVE = (*_LENGTHS, "exposure", "gain", "std_threshold", "residual_threshold")
-_Rule = tuple[str, Callable[[ScannerConfig], bool], str]
-_RULES: list[_Rule] = [
-    *[(name, lambda c, name=name: getattr(c, name) > 0, "be positive") for name in _POSITIVE],
-    ("resolution", lambda c: min(c.resolution) >= 8, "be at least (8, 8)"),
-    ("field_of_view", lambda c: 0 < c.field_of_view < 180, "lie in (0, 180) degrees"),
-    ("distortion", lambda c: _invertible(c), "be weak enough to be inverted within the image"),
-    ("baseline", lambda c: c.baseline != 0, "not be 0: without a baseline nothing can be triangulated"),
-    ("max_range", lambda c: c.max_range > c.min_range, "exceed min_range"),
-    ("distance", lambda c: c.distance is None or c.distance > 0, "be positive"),
-    ("stripes", lambda c: c.stripes >= 3, "be at least 3: a peak has three unknowns"),
-    ("stripe_width", lambda c: c.stripe_width is None or 0 < c.stripe_width < 90, "lie in (0, 90) degrees"),
-    ("smoothing", lambda c: 0 <= c.smoothing <= 10, "lie in [0, 10] pixels"),
-    ("bounces", lambda c: c.bounces >= 1, "be at least 1"),
-    (
-        "bounces",
-        lambda c: c.bounces == 1 or _renderable(c),
-        "be 1 unless falloff is 'inverse_square', beam 'wedge', and smoothing and distortion are 0",
-    ),
-    ("noise", lambda c: 0 <= c.noise <= 1, "lie in [0, 1]"),
-    ("full_well", lambda c: c.full_well >= 0, "not be negative"),
-    ("read_noise", lambda c: c.read_noise >= 0, "not be negative"),
-    ("bits", lambda c: 0 <= c.bits <= 16, "lie in 0..16"),
-    ("peak_threshold", lambda c: 0 < c.peak_threshold <= 1, "lie in (0, 1]"),
-    ("depth_threshold", lambda c: c.depth_threshold is None or c.depth_threshold > 0, "be positive"),
-    ("registration_error", lambda c: 0 <= c.registration_error <= 45, "lie in [0, 45] degrees"),
-    ("neighbours", lambda c: c.neighbours >= 3, "be at least 3"),
-]
-
-
-def _renderable(config: ScannerConfig) -> bool:
-    """Whether Mitsuba's own emitters and sensors can render the stripes."""
-    physical = config.falloff == "inverse_square" and config.beam == "wedge"
-    return physical and config.smoothing == 0 and not any(config.distortion)
-
-
-def _invertible(config: ScannerConfig) -> bool:
-    """Whether the distorted radius grows with the radius, over the image and some way beyond."""
-    k1, k2 = config.distortion
-    corner = 1.5 * math.hypot(*config.resolution) / 2 / config.focal
-    squares = [(corner * i / 64) ** 2 for i in range(65)]
-    return all(1 + 3 * k1 * s + 5 * k2 * s * s > 0.3 for s in squares)
-
-
-def _check_types(config: ScannerConfig) -> None:
-    """Raise InputError for values of another type or, where there are choices, another word."""
-    for name, hint in get_type_hints(ScannerConfig).items():
-        value = getattr(config, name)
-        if name in ("views", "material"):
-            continue
-        if get_origin(hint) is Literal:
-            ok, wanted = value in get_args(hint), f"one of {', '.join(map(repr, get_args(hint)))}"
-        elif get_origin(hint) is tuple:
-            kind = get_args(hint)[0]
-            ok = isinstance(value, tuple) and len(value) == 2 and all(_is(kind, x) for x in value)
-            wanted = f"two {'whole numbers' if kind is int else 'numbers'}"
-        else:
-            kinds = get_args(hint) or (hint,)
-            ok, wanted = any(_is(kind, value) for kind in kinds), _WANTED[kinds[0]]
-        if not ok:
-            raise InputError(f"scanner setting {name} must be {wanted}, got {value!r}")
-
-
-_WANTED: dict[Any, str] = {bool: "true or false", int: "a whole number", float: "a finite number"}
-
-
-def _is(kind: Any, value: object) -> bool:
-    """Whether a value may stand for a type: whole numbers are numbers, truth values are not."""
-    if kind in (int, float) and isinstance(value, bool):
-        return False
-    if kind is float:
-        return isinstance(value, int | float) and math.isfinite(value)
-    return isinstance(value, kind)
-
-
-def _check_values(config: ScannerConfig) -> None:
-    """Raise InputError for the first impossible value."""
-    for name, holds, rule in _RULES:
-        if not holds(config):
-            raise InputError(f"scanner setting {name} must {rule}, got {getattr(config, name)!r}")
-    if config.beam == "wedge" and 3 * config.step > config.wedge:
-        raise InputError(
-            f"a stripe of {math.degrees(config.wedge):.3g} degrees is lit in fewer than 3 of the steps of "
-            f"{math.degrees(config.step):.3g} degrees; raise stripes (now {config.stripes}) or stripe_width"
-        )
-    try:
-        json.dumps(config.material)
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"scanner setting material must be a name or a table of plain values: {error}"
-        ) from error

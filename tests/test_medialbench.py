@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -90,6 +91,10 @@ def test_scan_takes_a_shape_a_path_a_trimesh_and_arrays(body, tmp_path):
     assert max(sizes) - min(sizes) < 0.02 * max(sizes)  # files hold single precision
 
 
+def test_a_scan_says_in_one_line_what_it_is(scans):
+    assert repr(scans[0]).endswith("/rest': 600 points, 4 views)")
+
+
 def test_a_scan_has_the_settings_that_were_asked_for(scans):
     config = scans[0].config
     assert (config.peak_threshold, config.views, config.resolution) == (0.3, 4, (60, 60))
@@ -151,6 +156,25 @@ def test_symmetry_maps_a_cloud_to_itself(scans):
     assert np.array_equal(found.source_points, found.target_points)
 
 
+def test_pairs_of_vertices_and_faces_are_meshes(scans):
+    """Integer normals are none, although they are integers."""
+    mesh = bent_club(0.0)
+    found = mb.match((mesh.vertices, mesh.faces), scans[1], **FAST)
+    assert len(found) == FAST["points"]
+    grid = np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0), [0.0]), -1).reshape(-1, 3)
+    assert len(mb.match((grid, np.tile([0, 0, 1], (36, 1))), scans[1], modes=10, points=400)) == 36
+
+
+def test_settings_that_nothing_has_are_named(scans):
+    with pytest.raises(mb.InputError, match=r"setting 'sigma'; .*sigma_e"):
+        mb.match(*scans, **FAST, sigma=3)
+    for call in (mb.match, mb.symmetry):
+        with pytest.raises(mb.InputError, match="match config is 'papr'"):
+            call(None, **({"target": None} if call is mb.match else {}), config="papr")  # before anything
+    with pytest.raises(mb.InputError, match="300 modes asked of 200 points; give fewer modes"):
+        mb.match(*scans, points=200)
+
+
 @pytest.mark.parametrize(
     ("given", "said"),
     [
@@ -202,8 +226,6 @@ def test_a_right_map_has_no_error(body):
 
 
 def test_errors_need_ground_truth(body, scans, found):
-    from dataclasses import replace
-
     a, b = scans
     blind = replace(a, face_ids=np.full(len(a), -1, np.int32))
     with pytest.raises(mb.InputError, match="source has no ground truth"):
@@ -224,6 +246,51 @@ def test_diffusion_errors_grow_with_what_is_missing(body, scans):
     complete = mb.diffusion_error(mb.sample(body["rest"], 600), body, modes=30)
     assert complete == pytest.approx(0, abs=1e-9)  # the very same samples
     assert mb.diffusion_error(scans[1], body, modes=30) > complete
+
+
+def test_maps_and_bodies_that_do_not_belong_together_are_refused(body, scans, found, tmp_path):
+    (a, b), sphere = scans, trimesh.creation.icosphere(subdivisions=3)
+    for pose in ("rest", "bent"):
+        sphere.export(tmp_path / f"{pose}.ply")  # the same faces, another body
+    other = mb.load(tmp_path)
+    swapped = mb.match(b, a, **FAST)
+    for said, call in (
+        ("another source", lambda: mb.geodesic_error(found, b, a, body)),
+        ("another target", lambda: mb.geodesic_error(found, a, a, body)),
+        ("another source", lambda: mb.geodesic_error(swapped, a, b, body)),
+        ("give the body that was scanned", lambda: mb.geodesic_error(found, a, b, other)),
+        ("give the body that was scanned", lambda: mb.geodesic_error(found, a, b, other.reference)),
+        ("give the body that was scanned", lambda: mb.diffusion_error(a, other, modes=30)),
+    ):
+        with pytest.raises(mb.InputError, match=said):
+            call()
+    mb.geodesic_error(found, a, b, body.reference)
+    bent_club(0.1).export(tmp_path / "file.ply")  # a scan that does not know its subject
+    mb.geodesic_error(found, a, replace(b, shape_name="file"), body)
+
+
+# ---------------------------------------------------------------------------- as in the paper
+
+
+def test_departures_reach_equation_18(body, scans):
+    """Without its factor the error is in one over area, and as `evaluation.diffusion_error` gives it."""
+    ours = mb.diffusion_error(scans[0], body, modes=30)
+    written = mb.diffusion_error(scans[0], body, modes=30, departures={"eq18_area_factor": False})
+    assert written == pytest.approx(ours / body.reference.area, rel=1e-12)
+
+
+def test_departures_reach_the_matcher(scans):
+    found = mb.match(*scans, **FAST, departures="none")
+    assert found.config == mb.MatchConfig.paper(mb.Departures.none())
+    settings = mb.match(*scans, **FAST, config="paper").config
+    assert settings == mb.MatchConfig.paper(mb.Departures())
+    assert mb.symmetry(scans[0], **FAST, departures="none").config == found.config
+    diffusion = mb.Diffusion.from_points(scans[0].points, scans[0].normals, modes=30, departures="none")
+    assert mb.match(diffusion, scans[1], points=400).config == found.config  # the other cloud follows
+    with pytest.raises(
+        mb.InputError, match="Diffusion with other departures; build it with departures='all'"
+    ):
+        mb.match(diffusion, diffusion, departures="all")
 
 
 # ---------------------------------------------------------------------------- plot
@@ -263,8 +330,6 @@ def test_pictures_show_in_a_notebook_and_are_saved(scans, tmp_path):
 
 
 def test_pictures_that_cannot_be_drawn_are_refused(scans, found):
-    from dataclasses import replace
-
     a, b = scans
     diffusion = mb.Diffusion.from_points(a.points, a.normals, modes=20)
     for said, call in (
@@ -273,10 +338,97 @@ def test_pictures_that_cannot_be_drawn_are_refused(scans, found):
         ("up must be", lambda: mb.plot(a, up="w")),
         ("holds no points", lambda: mb.plot(replace(found, source_points=None))),
         ("600 source points", lambda: mb.plot(found, a.points[:50], b)),
-        ("the second cloud has 50", lambda: mb.plot(found, a, b.points[:50])),
+        ("the target has 50", lambda: mb.plot(found, a, b.points[:50])),
+        ("another source", lambda: mb.plot(found, b, a)),
         ("two clouds", lambda: mb.plot(found, a, b, b)),
         ("only a Matching", lambda: mb.plot(a, b)),
         ("give a Scan", lambda: mb.plot(3)),
     ):
         with pytest.raises(mb.InputError, match=said):
             call()
+
+
+# ---------------------------------------------------------------------------- values of the wrong kind
+
+
+@pytest.mark.parametrize("points", [100.5, "a", None, True, -1])
+def test_points_are_a_count(scans, points):
+    with pytest.raises(mb.InputError, match="points is"):
+        mb.match(*scans, points=points)
+    with pytest.raises(mb.InputError, match="points is"):
+        mb.symmetry(scans[0], points=points)
+    with pytest.raises(mb.InputError, match="points is"):
+        scans[0].subsample(points)
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"modes": 2.5}, "modes must be a whole number"),
+        ({"modes": "x"}, "modes must be a whole number"),
+        ({"eta": "x"}, "eta must be a finite number or None"),
+        ({"seed": -1}, "seed is -1"),
+        ({"seed": 1.5}, "seed is 1.5"),
+        ({"seed": "x"}, "seed is 'x'"),
+        ({"sigma": 3}, "'sigma'"),
+    ],
+)
+def test_settings_are_checked(scans, settings, said):
+    for call in (lambda: mb.match(*scans, **settings), lambda: mb.symmetry(scans[0], **settings)):
+        with pytest.raises(mb.InputError, match=said):
+            call()
+
+
+def test_numbers_of_numpy_are_numbers(scans, found, tmp_path):
+    numbers = {"modes": np.int64(30), "points": np.int32(400), "seed": np.int64(0), "eta": np.float32(0.5)}
+    same = mb.match(*scans, **numbers)
+    assert np.array_equal(same.source_to_target, found.source_to_target)
+    same.save(tmp_path / "map.npz")
+    mb.Diffusion.from_points(scans[0].points, modes=20, eta=np.float32(0.5)).save(tmp_path / "d.npz")
+
+
+def test_a_diffusion_decides_the_settings_of_the_other_cloud(scans):
+    a, b = scans
+    made = mb.Diffusion.from_points(a.points, a.normals, modes=20, eta=None, sigma_t=0.6)
+    other = mb.Diffusion.from_points(b.points, b.normals, modes=20, eta=None, sigma_t=0.6)
+    expected = mb.match(made, other).source_to_target
+    assert np.array_equal(mb.match(made, b).source_to_target, expected)
+    with pytest.raises(mb.InputError, match="eta"):
+        mb.match(made, mb.Diffusion.from_points(b.points, b.normals, modes=20))
+
+
+def test_complex_numbers_are_refused(body, scans):
+    points, shape = scans[0].points, body["rest"]
+    for call in (
+        lambda: mb.match(points + 1j, scans[1]),
+        lambda: mb.match((points, scans[0].normals * 1j), scans[1]),
+        lambda: mb.Diffusion.from_points(points * 1j),
+        lambda: mb.plot(points * 1j),
+        lambda: mb.sample((shape.vertices * 1j, shape.faces), 10),
+    ):
+        with pytest.raises(mb.InputError, match="complex numbers"):
+            call()
+
+
+@pytest.mark.parametrize("operator", ["heat", "robust"])
+def test_symmetries_of_other_operators(scans, operator):
+    assert len(mb.symmetry(scans[0], operator=operator, **FAST)) == 600
+
+
+def test_errors_are_of_maps(body, scans, found):
+    from dataclasses import replace
+
+    ids = found.source_to_target
+    for given in (None, ids, ids * 1.0, replace(found, source_to_target=ids * 1.0)):
+        with pytest.raises(mb.InputError, match="is no map; give what match"):
+            mb.geodesic_error(given, *scans, body)
+
+
+def test_sizes_and_modes_of_pictures_are_counts(scans):
+    diffusion = mb.Diffusion.from_points(scans[0].points, modes=20)
+    for height in (0, -5, "x", 10.5, None):
+        with pytest.raises(mb.InputError, match="height is"):
+            mb.plot(scans[0], height=height)
+    for mode in ("x", 1.5, -1, None):
+        with pytest.raises(mb.InputError, match="mode is"):
+            mb.plot(diffusion, mode=mode)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from medial import Departures
+from medial import Departures, MatchConfig
 
 PAGE = (Path(__file__).resolve().parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
 ROWS = [line.split("|")[1:-1] for line in PAGE.splitlines() if re.match(r"\| [0-9]", line)]
@@ -53,3 +53,13 @@ def test_every_departure_is_listed():
 
 def test_sections_4_and_5_are_listed():
     assert {row[0].strip() for row in ROWS} >= {"4", "5.1", "5.2"}
+
+
+def test_the_paper_in_one_setting():
+    """The page's example runs; on fewer points."""
+    snippet = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)[0]
+    names = {}
+    exec(snippet.replace("800)", "400)"), names)
+    config = MatchConfig.paper(Departures.none())
+    assert names["found"].config == names["mirror"].config == config
+    assert 0 < names["error"] < 1

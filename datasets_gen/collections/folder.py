@@ -4,6 +4,7 @@ import json
 import logging
 import os
 import re
+import shutil
 from collections.abc import Collection as Names
 from collections.abc import Sequence
 from dataclasses import replace
@@ -159,8 +160,7 @@ def write_collection(
     )  # fmt: skip
     if strangers:
         raise InputError(f"{str(folder)!r} already holds {strangers[0]!r}; choose an empty folder")
-    for shape in shapes.values():
-        write_mesh(shape, root / f"{shape.pose}.ply")
+    fresh = not root.exists()
     reference = collection.reference
     manifest = {
         "format": FORMAT,
@@ -173,8 +173,15 @@ def write_collection(
         "made_by": f"medialbench {code_version()}",
         **(about or {}),
     }
-    with atomic_path(root / MANIFEST) as temporary:
-        temporary.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+    try:
+        for shape in shapes.values():
+            write_mesh(shape, root / f"{shape.pose}.ply")
+        with atomic_path(root / MANIFEST) as temporary:
+            temporary.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+    except BaseException:
+        if fresh:  # a part of the poses would look like a data set
+            shutil.rmtree(root, ignore_errors=True)
+        raise
     return root / MANIFEST
 
 
@@ -186,10 +193,10 @@ def pose_list(poses: Sequence[str], known: Names[str], subject: str) -> list[str
     InputError
         If it is not a list of poses that there are.
     """
-    if isinstance(poses, str) or not len(poses):
+    if isinstance(poses, str) or not isinstance(poses, Names) or not len(poses):
         raise InputError(f"poses of {subject!r} is {poses!r}; give a list of {list(known)}")
     for pose in poses:
-        if pose not in known:
+        if pose not in list(known):
             raise InputError(f"{subject!r} has no pose {pose!r}; it has {list(known)}")
     return list(dict.fromkeys(poses))
 

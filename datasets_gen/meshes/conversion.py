@@ -5,15 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from datasets_gen.checks import admitted
+from datasets_gen.checks import admitted, scannable
 from datasets_gen.meshes.files import load_mesh
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
+from datasets_gen.values import real_array
 
 ACCEPTED = "a Shape, the path of a mesh file, a trimesh.Trimesh, or (vertices, faces)"
 
 
-def as_shape(mesh: Any, *, name: str = "mesh", repair: bool = False, units: str = "unknown") -> Shape:
+def as_shape(
+    mesh: Any, *, name: str = "mesh", repair: bool = False, units: str = "unknown", strict: bool = True
+) -> Shape:
     """Turn what a user holds into a checked shape with its faces wound outward.
 
     Parameters
@@ -27,6 +30,9 @@ def as_shape(mesh: Any, *, name: str = "mesh", repair: bool = False, units: str 
         Go on with the largest component and without degenerate or repeated faces.
     units
         Length unit to note in a shape that is made here.
+    strict
+        Refuse meshes without ground truth; if not, only those that cannot be scanned
+        (`datasets_gen.checks.scannable`).
 
     Returns
     -------
@@ -39,9 +45,9 @@ def as_shape(mesh: Any, *, name: str = "mesh", repair: bool = False, units: str 
         If it is none of these, or the mesh cannot be used (`datasets_gen.check_mesh`).
     """
     if isinstance(mesh, str | os.PathLike):
-        return load_mesh(mesh, repair=repair, units=units)
+        return load_mesh(mesh, repair=repair, units=units, strict=strict)
     given = mesh if isinstance(mesh, Shape) else _from_arrays(*_arrays(mesh), name, units)
-    checked = admitted([given], repair)[0]
+    checked = admitted([given], repair)[0] if strict else scannable(given, repair)
     unchanged = checked.vertices is given.vertices and checked.faces is given.faces
     return given if unchanged else checked
 
@@ -60,11 +66,9 @@ def _arrays(mesh: Any) -> tuple[Any, Any]:
 def _from_arrays(vertices: Any, faces: Any, name: str, units: str) -> Shape:
     """A shape of copies of the arrays; raises InputError where they are no triangle mesh."""
     try:
-        points, triangles = np.array(vertices, dtype=np.float64), np.array(faces)
+        points, triangles = real_array(vertices, "the array of vertices").copy(), np.array(faces)
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"vertices and faces must be arrays of numbers ({error}); give {ACCEPTED}"
-        ) from error
+        raise InputError(f"{error}; give {ACCEPTED}") from error
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"vertices must have shape (v, 3), got {points.shape}")
     if triangles.size == 0:

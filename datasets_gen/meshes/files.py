@@ -1,13 +1,14 @@
 """The one way in which the project reads and writes mesh files."""
 
 import os
+from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from datasets_gen.checks import admitted
+from datasets_gen.checks import admitted, scannable
 from datasets_gen.records import InputError, atomic_path
 from datasets_gen.shape import Shape
 
@@ -66,13 +67,34 @@ def _parsed(content: bytes, kind: str) -> Any:
     """
     import trimesh  # in the functions that need it: a start without it takes half as long
 
+    if kind == "ply":  # texture coordinates of faces would split vertices at seams
+        plain: Any = {"fix_texture": False, "skip_materials": True}
+        return trimesh.load(BytesIO(content), file_type=kind, process=False, **plain)
     if kind != "obj":
         return trimesh.load(BytesIO(content), file_type=kind, process=False)
-    lines = (line for line in content.splitlines() if not line.startswith(OBJ_PARTITIONS))
-    return trimesh.load(BytesIO(b"\n".join(lines)), file_type=kind, process=False, maintain_order=True)
+    lines = b"\n".join(_bare_obj(content))
+    return trimesh.load(BytesIO(lines), file_type=kind, process=False, maintain_order=True)
 
 
-def load_mesh(path: str | os.PathLike[str], *, repair: bool = False, units: str = "unknown") -> Shape:
+def _bare_obj(content: bytes) -> Iterator[bytes]:
+    """Lines of an OBJ without materials, objects and groups; its faces name vertices alone, counted from 1.
+
+    A negative index counts backwards from the last vertex before the face; trimesh knows none.
+    """
+    count = 0
+    for line in content.splitlines():
+        if line.startswith((b"v ", b"v\t")):
+            count += 1
+        if line.startswith(b"f ") and b"-" in line:
+            corners = [int(corner.partition(b"/")[0]) for corner in line.split()[1:]]
+            yield b"f " + b" ".join(b"%d" % (c if c > 0 else count + 1 + c) for c in corners)
+        elif not line.startswith(OBJ_PARTITIONS):
+            yield line
+
+
+def load_mesh(
+    path: str | os.PathLike[str], *, repair: bool = False, units: str = "unknown", strict: bool = True
+) -> Shape:
     """Load one mesh, checked, with its faces wound outward.
 
     Parameters
@@ -83,15 +105,17 @@ def load_mesh(path: str | os.PathLike[str], *, repair: bool = False, units: str 
         Go on with the largest component and without degenerate or repeated faces.
     units
         Length unit to note in the shape.
+    strict
+        Refuse meshes without ground truth; if not, only those that cannot be scanned
+        (`datasets_gen.checks.scannable`).
 
     Raises
     ------
     InputError
         If the file or the mesh in it cannot be used (`datasets_gen.check_mesh`).
     """
-    return admitted(
-        [Shape.load(path) if Path(path).suffix == ".npz" else read_mesh(path, units=units)], repair
-    )[0]
+    shape = Shape.load(path) if Path(path).suffix == ".npz" else read_mesh(path, units=units)
+    return admitted([shape], repair)[0] if strict else scannable(shape, repair)
 
 
 def write_mesh(shape: Shape, path: str | os.PathLike[str]) -> None:

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+THINNEST = 1e-12
+"""A face has no area if twice its area is less than this share of the sum of two squared sides."""
+
 
 def unit_vectors(vectors: Array) -> Array:
     """Vectors (..., 3) scaled to length 1; zero vectors stay zero."""
@@ -54,6 +57,25 @@ def face_areas(vertices: Array, faces: NDArray[np.integer]) -> Array:
     return 0.5 * np.linalg.norm(scaled_face_normals(vertices, faces), axis=1)
 
 
+def solid_faces(vertices: Array, faces: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Which faces (f, 3) of vertices (v, 3) have area, (f,): corners apart and not all on one line."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    one, other = b - a, c - a
+    normal = np.cross(one, other)
+    sides = np.einsum("fd,fd->f", one, one) + np.einsum("fd,fd->f", other, other)
+    return np.einsum("fd,fd->f", normal, normal) > (THINNEST * sides) ** 2
+
+
+def corner_angles(vertices: Array, faces: NDArray[np.integer]) -> Array:
+    """Angles (f, 3) of the faces (f, 3) of vertices (v, 3) at their corners, radians."""
+    corners, angles = vertices[faces], np.empty(faces.shape)
+    for k in range(3):
+        a = corners[:, (k + 1) % 3] - corners[:, k]
+        b = corners[:, (k + 2) % 3] - corners[:, k]
+        angles[:, k] = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("fd,fd->f", a, b))
+    return angles
+
+
 def vertex_normals(
     vertices: Array, faces: NDArray[np.integer], weighting: Literal["angle", "area"] = "angle"
 ) -> Array:
@@ -78,13 +100,10 @@ def vertex_normals(
         for k in range(3):
             np.add.at(total, faces[:, k], scaled)
         return unit_vectors(total)
-    corners, normals = vertices[faces], face_normals(vertices, faces)
+    angles, normals = corner_angles(vertices, faces), face_normals(vertices, faces)
     for k in range(3):
-        a = corners[:, (k + 1) % 3] - corners[:, k]
-        b = corners[:, (k + 2) % 3] - corners[:, k]
-        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("fd,fd->f", a, b))
         for d in range(3):
-            total[:, d] += np.bincount(faces[:, k], angle * normals[:, d], minlength=len(total))
+            total[:, d] += np.bincount(faces[:, k], angles[:, k] * normals[:, d], minlength=len(total))
     return unit_vectors(total)
 
 

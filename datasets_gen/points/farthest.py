@@ -24,6 +24,9 @@ TREE_HEIGHT = 7
 """Of fpsample's bucket tree on clouds large enough for it; about the fastest for 1e4..1e6 points."""
 SLACK = 1.001
 """Squared distances are rounded to single precision by less than this factor."""
+FAR, LARGE = 64.0, 1e15
+"""Clouds farther than this from the origin, over their extent, or of an extent beyond this or below its
+inverse, are brought to the unit cube: fpsample has single precision."""
 
 
 def farthest_points(points: NDArray[np.float64], n: int, start: int) -> NDArray[np.int64]:
@@ -41,11 +44,21 @@ def farthest_points(points: NDArray[np.float64], n: int, start: int) -> NDArray[
     Returns
     -------
     (n,) int64
+        Distinct, even where points coincide.
     """
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = float((high - low).max())
+    if np.abs(low + high).max() > 2 * FAR * extent or not 1 / LARGE < extent < LARGE:
+        points = (points - low) / (extent or 1.0)
     height = min(TREE_HEIGHT, int(np.log2(len(points))))
     if height < 1:
         return np.zeros(n, np.int64)  # a single point
-    return fpsample.bucket_fps_kdline_sampling(points, n, h=height, start_idx=start).astype(np.int64)
+    order = fpsample.bucket_fps_kdline_sampling(points, n, h=height, start_idx=start).astype(np.int64)
+    first = np.sort(np.unique(order, return_index=True)[1])
+    if len(first) == n:
+        return order
+    rest = np.setdiff1d(np.arange(len(points)), order)  # fewer places than points asked for
+    return np.concatenate([order[first], rest[: n - len(first)]])
 
 
 def farthest_in_metric(

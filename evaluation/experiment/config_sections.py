@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
+from datasets_gen.values import check_count, check_types
 from evaluation.experiment.toml_tables import expect, reject_unknown
 from medial.operator import OPERATORS
 
@@ -49,12 +50,10 @@ class ScanCondition:
     """Factor by which the finished cloud is scaled."""
 
     def __post_init__(self) -> None:
-        """Check ranges."""
+        """Check types, as sweeps replace single values, and ranges."""
+        check_types(type(self), vars(self))
         expect(0 < self.threshold <= 1, f"threshold must lie in (0, 1], got {self.threshold!r}")
-        expect(
-            isinstance(self.points, int) and self.points >= 1,
-            f"points must be a positive number, got {self.points!r}",
-        )
+        check_count(self.points, "points")
         expect(self.scale > 0, f"scale must be positive, got {self.scale!r}")
         reserved = {"views", "peak_threshold"} & set(self.scanner)
         expect(
@@ -93,7 +92,7 @@ class OperatorsSection:
 
     def __post_init__(self) -> None:
         """Check ranges."""
-        expect(isinstance(self.modes, int) and self.modes > 1, f"modes must exceed 1, got {self.modes!r}")
+        check_count(self.modes, "modes", 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,6 +111,8 @@ class StabilitySection:
         """Lists to tuples, checked."""
         object.__setattr__(self, "operators", tuple(self.operators))
         reject_unknown(self.operators, OPERATORS, "stability", "operator")
+        check_count(self.pairs, "pairs")
+        check_count(self.times, "times")
         object.__setattr__(self, "sweep", as_sweep(self.sweep))
 
 
@@ -134,13 +135,13 @@ class MatchingSection:
         object.__setattr__(self, "regime", tuple(dict(each) for each in self.regime))
         expect(not (self.sweep and self.regime), "give 'sweep' or 'regime', not both")
         for each in self.regime:
-            expect("name" in each, f"a regime needs a name, got {each!r}")
+            expect(isinstance(each.get("name"), str), f"a regime needs a name, got {each!r}")
         if isinstance(self.pairs, list | tuple):
             pairs = tuple(tuple(pair) if isinstance(pair, list | tuple) else pair for pair in self.pairs)
             expect(all(isinstance(p, tuple) and len(p) == 2 for p in pairs), "pairs must be [source, target]")
             object.__setattr__(self, "pairs", pairs)
         else:
-            number = isinstance(self.pairs, int) and self.pairs > 0
+            number = isinstance(self.pairs, int) and not isinstance(self.pairs, bool) and self.pairs > 0
             known = self.pairs in ("reference", "all", "chain")
             expect(
                 number or known,

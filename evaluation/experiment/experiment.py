@@ -5,18 +5,20 @@ Sections of the file (every key is a field below, with its default):
 ``[[dataset]]`` (`DatasetSection`), ``[scan]`` (`ScanCondition`: the base from which sweeps deviate),
 ``[operators]`` (`OperatorsSection`), ``[stability]`` (`StabilitySection`, Eq. 18), ``[matching]``
 (`MatchingSection`), ``[[method]]`` (`MethodSection`), and ``name``, ``description``, ``seeds``, ``timeout``,
-``evaluated`` at the top.
+``evaluated``, ``departures`` at the top.
 """
 
 import itertools
 import os
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from datasets_gen.records import InputError
+from datasets_gen.registry import names
+from datasets_gen.values import check_count, check_seed
 from evaluation.experiment.config_sections import (
     DatasetSection,
     MatchingSection,
@@ -28,6 +30,7 @@ from evaluation.experiment.config_sections import (
 )
 from evaluation.experiment.presets import presets
 from evaluation.experiment.toml_tables import dataclass_from_table, expect, reject_unknown, to_toml
+from medial.departures import Departures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,12 +50,18 @@ class Experiment:
     """Seconds after which a task is stopped and recorded as a failure."""
     evaluated: int = 2000
     """Points of each map, drawn once per pair, at which geodesic errors are measured."""
+    departures: Mapping[str, bool] | str = "all"
+    """From the paper: ``"all"``, ``"none"`` or truth values by name; of operators, maps and Eq. 18 alike."""
 
     def __post_init__(self) -> None:
         """Check what concerns several sections."""
         expect(len(self.dataset) > 0, "no [[dataset]]: nothing to scan")
         expect(len(self.seeds) > 0, "seeds is empty: nothing to run")
+        Departures.of(self.departures)
         expect(self.timeout > 0, f"timeout must be positive, got {self.timeout!r}")
+        check_count(self.evaluated, "evaluated")
+        for seed in self.seeds:
+            check_seed(seed, "each of seeds")
         expect(
             self.stability is not None or self.matching is not None,
             "neither [stability] nor [matching]: nothing to measure",
@@ -123,13 +132,8 @@ class Experiment:
         for key, kind in sections:
             if values.get(key) is not None:
                 values[key] = dataclass_from_table(kind, values[key], f"{where}: [{key}]")
-        if "seeds" in values:
-            seeds = values["seeds"]
-            expect(
-                isinstance(seeds, list | tuple) and all(isinstance(s, int) for s in seeds),
-                f"{where}: seeds must be a list of integers, got {seeds!r}",
-            )
-            values["seeds"] = tuple(seeds)
+        if isinstance(values.get("seeds"), list):
+            values["seeds"] = tuple(values["seeds"])
         return dataclass_from_table(cls, values, where)
 
     @classmethod
@@ -158,17 +162,40 @@ class Experiment:
         except tomllib.TOMLDecodeError as error:
             raise InputError(f"{where} is not valid TOML: {error}") from error
         table.setdefault("name", path.stem)
-        return cls.from_table(_beside(table, folder), where)
+        if folder is not None:
+            _locate(table, folder)
+        return cls.from_table(table, where)
 
 
-def _beside(table: dict[str, Any], folder: Path | None) -> dict[str, Any]:
-    """Relative folders of data sets are meant from the TOML file's folder, if they exist there."""
-    for each in table.get("dataset", []) if folder is not None else []:
-        if isinstance(each, dict) and isinstance(each.get("name"), str) and folder is not None:
-            beside = folder / each["name"]
-            if beside.is_dir():
-                each["name"] = str(beside.resolve())
-    return table
+def _locate(table: dict[str, Any], folder: Path) -> None:
+    """Make paths absolute: of data sets, of Python files of methods, and the folder of an external method."""
+    for each in filter(_is_named, _tables(table, "dataset")):
+        each["name"] = _located(each["name"], folder, Path.is_dir)
+    for each in filter(_is_named, _tables(table, "method")):
+        file, colon, attribute = each["name"].rpartition(":")
+        if file.endswith(".py"):
+            each.setdefault("label", each["name"])
+            each["name"] = _located(file, folder, Path.is_file) + colon + attribute
+        elif each["name"] == "external":
+            for options in (each, each.get("options")):
+                if isinstance(options, dict) and isinstance(options.get("folder"), str):
+                    options["folder"] = _located(options["folder"], folder, Path.is_dir)
+
+
+def _tables(table: Mapping[str, Any], key: str) -> list[Any]:
+    found = table.get(key)
+    return found if isinstance(found, list) else []
+
+
+def _is_named(each: Any) -> bool:
+    return isinstance(each, dict) and isinstance(each.get("name"), str)
+
+
+def _located(name: str, folder: Path, is_there: Callable[[Path], bool]) -> str:
+    """The absolute path of what lies in the TOML file's folder or else in the current one; else the name."""
+    places = [folder / name] if name in names() else [folder / name, Path(name)]
+    found = [path for path in places if name and is_there(path)]
+    return str(found[0].resolve()) if found else name
 
 
 def _list(values: Mapping[str, Any], key: str, where: str) -> Iterable[Any]:

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,13 @@ from datasets_gen.registry import names
 from evaluation.experiment.config_sections import DatasetSection, MethodSection, Regime
 from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.plan import Plan, PlannedRow
-from evaluation.experiment.subject_plan import SubjectPlan, scanner_settings
+from evaluation.experiment.subject_plan import SubjectPlan, operator_options, scanner_settings
 from evaluation.experiment.tasks import Task
 from evaluation.experiment.toml_tables import reject_unknown
 from evaluation.methods.base import Method
 from evaluation.methods.catalogue import create, method_version, missing
 from medial.operator import OPERATORS, Operator
-from scanner_sim import ScannerConfig
+from scanner_sim import ScannerConfig, presets
 
 
 def shape_tasks(experiment: Experiment) -> dict[str, Task]:
@@ -96,11 +96,11 @@ def _check(experiment: Experiment) -> None:
     conditions = [condition for _, condition in experiment.stability_conditions()]
     conditions += [condition for each in experiment.regimes() for condition in (each.source, each.target)]
     for condition in conditions:
-        reject_unknown(condition.scanner, [f.name for f in fields(ScannerConfig)], "scanner")
+        reject_unknown(condition.scanner, [*(f.name for f in fields(ScannerConfig)), presets.KEY], "scanner")
         ScannerConfig.from_dict(scanner_settings(condition))
     known = [f.name for f in fields(Operator) if f.name not in ("operator", "modes")]
     for name in OPERATORS:
-        given = getattr(experiment.operators, name)
+        given = operator_options(experiment, name)
         reject_unknown(given, known, f"[operators] {name}")
         Operator(operator=name, modes=experiment.operators.modes, **given)
 
@@ -120,18 +120,18 @@ def _plan_stability(subject: SubjectPlan, seed: int) -> None:
             "seed": seed,
         }
         base |= {"method": operator, "operator": operator, "target_pose": subject.reference}
-        clouds: list[tuple[str, dict[str, Any]]] = [
-            (ideal, {"source_pose": subject.reference, "regime": "reference", "source_threshold": None})
+        clouds: list[tuple[str, float, dict[str, Any]]] = [
+            (ideal, 1.0, {"source_pose": subject.reference, "regime": "reference", "source_threshold": None})
         ]
         for name, condition in experiment.stability_conditions():
             for pose in subject.poses:
                 about = {"source_pose": pose, "regime": name, "source_threshold": condition.threshold}
                 about["views"] = str(condition.views)
-                clouds.append((subject.cloud(pose, condition, seed), about))
-        for cloud, about in clouds:
+                clouds.append((subject.cloud(pose, condition, seed), condition.scale, about))
+        for cloud, scale, about in clouds:
             inputs = {"shape": subject.shape, "scan": cloud, "reference_operator": reference}
             inputs["operator"] = subject.operator(cloud, operator)
-            spec = {"kind": "stability", "pairs": settings.pairs, "times": settings.times}
+            spec = {"kind": "stability", "pairs": settings.pairs, "times": settings.times, "scale": scale}
             spec["seed"] = seed_of("pairs", subject.subject, seed)
             label = f"{subject.plan.tasks[cloud].label} {operator} eq18"
             score = subject.plan.add(Task.of("score", spec, inputs, label))
@@ -166,7 +166,8 @@ def _plan_map(
     spec: dict[str, Any] = {"method": choice.name, "options": dict(choice.options)}
     spec["seed"] = seed_of("map", subject.subject, *pair, seed)
     label = f"{subject.name} {pair[0]} to {pair[1]} {choice.label}"
-    found = subject.plan.add(Task.of("map", spec, inputs, label, version))
+    task = Task.of("map", _without_places(spec), inputs, label, version)
+    found = subject.plan.add(replace(task, spec=spec))
     ideal = subject.ideal(seed)
     inputs = {"shape": subject.shape, **{f"{side}_scan": key for side, key in clouds.items()}, "map": found}
     inputs["reference_medial"] = subject.operator(ideal, "medial")
@@ -192,6 +193,16 @@ def _plan_map(
         "score_key": score,
     }
     subject.plan.rows.append(PlannedRow(columns, score))
+
+
+def _without_places(spec: Mapping[str, Any]) -> dict[str, Any]:
+    """What of a map its key names: files by their names, as `method_version` covers their contents."""
+    file, colon, attribute = spec["method"].rpartition(":")
+    method = Path(file).name + colon + attribute if file.endswith(".py") else spec["method"]
+    options = dict(spec["options"])
+    if method == "external":
+        options["folder"] = Path(str(options.get("folder"))).name
+    return {**spec, "method": method, "options": options}
 
 
 def _pairs(subject: SubjectPlan) -> list[tuple[str, str]]:

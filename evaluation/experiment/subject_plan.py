@@ -10,6 +10,7 @@ from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.plan import Plan
 from evaluation.experiment.tasks import Task
 from evaluation.experiment.toml_tables import reject_unknown
+from scanner_sim import presets
 
 FLOOR = 0.05
 """Lowest peak that a render keeps, so that one render serves every threshold above."""
@@ -18,7 +19,13 @@ FLOOR = 0.05
 def scanner_settings(condition: ScanCondition) -> dict[str, Any]:
     """The scanner of a render that serves a condition and every threshold above the floor."""
     floor = min(FLOOR, condition.threshold)
-    return {**condition.scanner, "views": condition.views, "peak_threshold": floor}
+    return {**presets.expanded(condition.scanner), "views": condition.views, "peak_threshold": floor}
+
+
+def operator_options(experiment: Experiment, operator: str) -> dict[str, Any]:
+    """Arguments of `Diffusion.from_points`: those of the operator's section, over the departures of all."""
+    common = {} if experiment.departures == "all" else {"departures": experiment.departures}
+    return {**common, **getattr(experiment.operators, operator)}
 
 
 class SubjectPlan:
@@ -94,8 +101,8 @@ class SubjectPlan:
 
     def operator(self, scan: str, operator: str) -> str:
         """An operator of a cloud."""
-        settings = self.experiment.operators
-        spec = {"operator": operator, "modes": settings.modes, "options": dict(getattr(settings, operator))}
+        options = operator_options(self.experiment, operator)
+        spec = {"operator": operator, "modes": self.experiment.operators.modes, "options": options}
         label = f"{self.plan.tasks[scan].label} {operator}"
         return self.plan.add(Task.of("operator", spec, {"scan": scan}, label))
 

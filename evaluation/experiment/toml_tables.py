@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from datasets_gen.records import InputError
+from datasets_gen.values import check_types
 
 T = TypeVar("T")
 
@@ -27,17 +28,18 @@ def reject_unknown(given: Iterable[str], known: Iterable[str], where: str, what:
 
 
 def dataclass_from_table(cls: type[T], table: Any, where: str) -> T:
-    """A frozen dataclass from a table; unknown keys and missing ones are errors.
+    """A frozen dataclass from a table; unknown keys, missing ones and values of another type are errors.
 
     Raises
     ------
     InputError
-        If `table` is no table, or a key is unknown or missing, or a value is refused.
+        If `table` is no table, or a key is unknown or missing, or a value is of another type or refused.
     """
     if not isinstance(table, Mapping):
         raise InputError(f"{where} must be a table, got {table!r}")
     reject_unknown(table, [f.name for f in fields(cls)], where)  # type: ignore[arg-type]
     try:
+        check_types(cls, table)
         return cls(**table)
     except TypeError as error:
         raise InputError(f"{where}: {str(error).split(') ')[-1]}") from error

@@ -70,9 +70,8 @@ def missing(name: str) -> str:
     lacking = {module: pip for module, pip in find(name).requires.items() if find_spec(module) is None}
     if not lacking:
         return ""
-    return (
-        f"method {name!r} needs {', '.join(lacking)}: pip install {' '.join(dict.fromkeys(lacking.values()))}"
-    )
+    packages = "-e '.[peers]'" if name in METHODS else " ".join(dict.fromkeys(lacking.values()))
+    return f"method {name!r} needs {', '.join(lacking)}: pip install {packages}"
 
 
 def method_version(name: str, method: Method) -> str:

@@ -29,7 +29,7 @@ class TruthLandmarks(Spectral):
             raise InputError("the ceiling needs the ground truth of both clouds")
         pairs = true_landmarks(source.truth, target.truth, self.landmarks)
         here, there = source.operators[self.operator], target.operators[self.operator]
-        return extrapolate(here, there, pairs, self.match_config(), seed)
+        return extrapolate(here, there, pairs, self.match_config(here.departures), seed)
 
 
 def true_landmarks(source: NDArray[np.float64], target: NDArray[np.float64], count: int) -> NDArray[np.int64]:

@@ -1,15 +1,14 @@
 """Matching by diffusion: one matcher, three operators. A comparison of these compares operators."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
-from evaluation.experiment.toml_tables import reject_unknown
+from evaluation.experiment.toml_tables import expect, reject_unknown
 from evaluation.methods.base import Method, MethodInput
-from medial import MatchConfig, Matching, match
+from medial import Departures, MatchConfig, Matching, match
+from medial.departures import ALL_DEPARTURES
 from medial.operator import OPERATORS
-
-CONFIGS: dict[str, Callable[[], MatchConfig]] = {"default": MatchConfig, "paper": MatchConfig.paper}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,14 +18,22 @@ class Spectral(Method):
     operator: str = "medial"
     """``"medial"`` (the paper), ``"heat"`` (Gaussian weights [BSW09], so heat kernel matching [OMMG10]) or
     ``"robust"`` (the tufted Laplacian [Sharp & Crane 2020])."""
-    config: str = "default"
-    """``"default"`` (the best measured) or ``"paper"`` (Sec. 4 as written)."""
+    config: str | None = None
+    """``"default"`` (the best measured) or ``"paper"`` (settings of Sec. 4); None is ``"paper"`` where the
+    operators have no departures."""
     settings: Mapping[str, Any] = field(default_factory=dict)
-    """Fields of `medial.MatchConfig` over those of `config`."""
+    """Fields of `medial.MatchConfig` over those of `config`; departures are those of the operators."""
 
     def __post_init__(self) -> None:
         """Check the settings now, not hours into a sweep."""
         reject_unknown([self.operator], OPERATORS, "method", "operator")
+        reject_unknown([self.config] if self.config else [], ("default", "paper"), "method", "config")
+        expect(
+            "departures" not in self.settings,
+            "departures belong to the operators, not to a method's settings: "
+            "give departures at the top of the experiment, or match --departures",
+        )
+        reject_unknown(self.settings, [f.name for f in fields(MatchConfig)], "method settings")
         self.match_config()
 
     @property
@@ -34,17 +41,14 @@ class Spectral(Method):
         """The one whose modes it works in."""
         return (self.operator,)
 
-    def match_config(self) -> MatchConfig:
-        """The settings of the matcher."""
-        reject_unknown([self.config], CONFIGS, "method", "config")
-        reject_unknown(self.settings, [f.name for f in fields(MatchConfig)], "method settings")
-        return MatchConfig.from_dict({**asdict(CONFIGS[self.config]()), **self.settings})
+    def match_config(self, departures: Departures = ALL_DEPARTURES) -> MatchConfig:
+        """The settings of the matcher on operators with some departures from the paper."""
+        return replace(MatchConfig.of(self.config, departures), **self.settings)
 
     def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Match in the modes of the operator."""
-        return match(
-            source.operators[self.operator], target.operators[self.operator], self.match_config(), seed
-        )
+        here, there = source.operators[self.operator], target.operators[self.operator]
+        return match(here, there, self.match_config(here.departures), seed)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,9 +17,6 @@ from evaluation.metrics.geodesic import SurfaceDistance
 CURVE = np.linspace(0, 0.25, 51)
 """Errors at which the curve of [KLF11] is sampled, in sqrt(area)."""
 
-CONFIDENT = 0.5
-"""Confidence from which a point counts as matched."""
-
 
 @dataclass(frozen=True)
 class SurfacePoints:

@@ -6,10 +6,10 @@ Between the samples of P its eigenfunctions are interpolated (`interpolation`), 
 exactly, so P against itself is 0.
 
 Units: m_t has units of one over area. Both m_t are multiplied by the area of the reference mesh, which makes
-the error independent of the units of length; the departure `eq18_area_factor` switches this off. Nothing else
-is normalised in ``eq18``. Further columns give the same error with each m_t divided by the heat trace of its
-own cloud, as Sec. 4 does for matching (``eq18_trace``), and relative to the size of the reference's m_t
-(``eq18_relative``).
+the error independent of the units of length, unless the operators were built without the departure
+`eq18_area_factor`. Nothing else is normalised in ``eq18``. Further columns give the same error with each m_t
+divided by the heat trace of its own cloud, as Sec. 4 does for matching (``eq18_trace``), and relative to the
+size of the reference's m_t (``eq18_relative``).
 
 Times: both clouds use one set, taken from the spectrum of P (`medial.spectrum.times`), so that all scans of
 one subject share it.
@@ -23,9 +23,11 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from datasets_gen.records import InputError
+from datasets_gen.values import check_count, check_seed
 from medial import Diffusion
-from medial.departures import ALL_DEPARTURES, Departures
+from medial.departures import Departures
 from medial.diffusion import decay
+from medial.matching.common_units import check_comparable, rescaled
 from medial.spectrum.times import TIMES, logarithmic_times
 
 PAIRS = 10_000
@@ -103,7 +105,8 @@ def diffusion_error(
     pairs: int = PAIRS,
     times: int = TIMES,
     seed: int = 0,
-    departures: Departures = ALL_DEPARTURES,
+    scale: float = 1.0,
+    departures: Departures | None = None,
 ) -> Stability:
     """Eq. 18 of a cloud against the well-sampled reference.
 
@@ -123,21 +126,24 @@ def diffusion_error(
         |C| and |T|.
     seed
         Draws the pairs.
+    scale
+        Lengths of the cloud over those of the reference: 1000 for millimetres and a mesh in metres.
     departures
-        Without `eq18_area_factor`, m_t keeps its unit, one over area, and `area` is not used.
+        Those that the reference was built with if not given. Without `eq18_area_factor`, m_t keeps its unit,
+        one over area, and `area` is not used.
 
     Raises
     ------
     InputError
-        If the operators differ or the arrays do not belong to the cloud.
+        If the operators or their settings differ, or the arrays do not belong to the cloud.
     """
-    if reference.operator != cloud.operator:
-        raise InputError(f"cannot compare a {reference.operator!r} with a {cloud.operator!r} diffusion")
+    check_comparable(reference, cloud, "compare")
+    cloud = cloud if scale == 1 else rescaled(cloud, 1 / scale)
     if canonical.shape != (len(cloud), 3) or canonical_normals.shape != (len(cloud), 3):
         raise InputError(f"canonical points {canonical.shape} do not belong to a cloud of {len(cloud)}")
     scales = logarithmic_times(reference.eigenvalues, count=times)
-    factor = area if departures.eq18_area_factor else 1.0
-    x, y = np.random.default_rng(seed).integers(len(cloud), size=(2, pairs))
+    factor = area if (departures or reference.departures).eq18_area_factor else 1.0
+    x, y = np.random.default_rng(check_seed(seed)).integers(len(cloud), size=(2, check_count(pairs, "pairs")))
     carry = interpolation(reference.points, reference.normals, canonical, canonical_normals)
     here = factor * kernel_of_pairs(cloud.eigenfunctions, cloud.eigenvalues, x, y, scales)
     carried = carry @ reference.eigenfunctions

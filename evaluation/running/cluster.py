@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from datasets_gen.records import InputError
 from evaluation.running.environment import usable_processors, versions
+from evaluation.running.process import hold_interrupts
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -78,14 +79,15 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
     with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         if scheduler is None:
-            local = LocalCluster(
-                n_workers=jobs or usable_processors(),
-                threads_per_worker=1,
-                processes=True,
-                dashboard_address=":0",
-                silence_logs=logging.CRITICAL,
-            )
-            client = Client(stack.enter_context(local))
+            with hold_interrupts():
+                local = LocalCluster(
+                    n_workers=jobs or usable_processors(),
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=":0",
+                    silence_logs=logging.CRITICAL,
+                )
+                client = Client(stack.enter_context(local))
         else:
             client = _join(Client, scheduler)
         stack.enter_context(client)

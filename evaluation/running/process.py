@@ -1,11 +1,36 @@
-"""Settings and measurements of the process that runs a task: threads, allocator, peak memory."""
+"""Settings and measurements of the process that runs a task: threads, Ctrl-C, allocator, peak memory."""
 
 import contextlib
 import ctypes
 import functools
+import signal
 import sys
+import threading
 from collections.abc import Iterator
+from multiprocessing import resource_tracker
 from pathlib import Path
+
+
+@contextlib.contextmanager
+def hold_interrupts() -> Iterator[None]:
+    """Hear Ctrl-C when the block ends; processes that start in it, and those that these start, never do.
+
+    A terminal sends it to all processes, but the run alone has to act on it: it ends its workers.
+    """
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        yield  # Windows; or a thread, which no signal reaches
+        return
+    resource_tracker.ensure_running()  # it would let the signal through to what starts after it
+    heard: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.signal(signal.SIGINT, before)
+    if heard:
+        raise KeyboardInterrupt
 
 
 @contextlib.contextmanager

@@ -116,8 +116,11 @@ def dual_area(i: int, members: NDArray[np.intp], points: Array, center: Array, r
     Returns
     -------
     float, in squared units
-        NaN where neither hull has the point as a corner; the code takes its surface cell then.
+        NaN where neither hull has the point as a corner, or the point has no medial point and so no B_i;
+        the code takes its surface cell then.
     """
+    if i not in members:
+        return np.nan
     own = int(np.flatnonzero(members == i)[0])
     offsets = points[members] - center
     on_ball = center + radius * offsets / np.linalg.norm(offsets, axis=1, keepdims=True)

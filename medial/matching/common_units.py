@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.records import InputError
 from medial.diffusion import Diffusion
 
 Float = NDArray[np.float64]
@@ -14,6 +15,10 @@ MOST_POINTS = 8000
 """Points of a cloud that the search sees; what it finds is carried over to all points in the end."""
 GROSS = 1.4
 """Ratio of sizes up to which two clouds may be scans of one subject in the same units."""
+SETTINGS = ("eta", "sigma_e", "sigma_t", "cutoff", "reference_points")
+"""Of the medial operator: what its heat kernel depends on, beside the departures."""
+UNKNOWN = "unknown"
+"""A setting that a diffusion does not tell."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +46,31 @@ class CloudInUnits:
     def features(self) -> Float:
         """Positions and medial centres, (n, 6): near in both means near along the body."""
         return np.hstack([self.points, self.centers])
+
+
+def check_comparable(source: Diffusion, target: Diffusion, purpose: str = "match") -> None:
+    """Check that two diffusions come from one operator with one choice of settings.
+
+    Raises
+    ------
+    InputError
+        If they do not: their heat kernels differ even where the clouds do not.
+    """
+    if source.operator != target.operator:
+        raise InputError(
+            f"cannot {purpose} a {source.operator!r} diffusion to a {target.operator!r} one; use one operator"
+        )
+    if source.departures != target.departures:
+        raise InputError(
+            f"cannot {purpose} diffusions with different departures from the paper; "
+            "build both with one departures="
+        )
+    for name in SETTINGS if source.operator == "medial" else ():
+        here, there = (each.parameters.get(name, UNKNOWN) for each in (source, target))
+        if UNKNOWN not in (here, there) and here != there:
+            raise InputError(
+                f"cannot {purpose} diffusions built with {name}={here!r} and {name}={there!r}; use one {name}"
+            )
 
 
 def in_source_units(source: Diffusion, target: Diffusion) -> tuple[Diffusion, Diffusion]:

@@ -1,11 +1,12 @@
 """`MatchConfig`: the settings of matching."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal
 
 from datasets_gen.records import InputError
-from medial.departures import ALL_DEPARTURES, Departures
+from datasets_gen.values import CheckedSettings, check_count
+from medial.departures import Departures
 
 FEWEST_NODES = 8
 """A deformation with fewer nodes than this does not bend where a body bends."""
@@ -20,17 +21,13 @@ _LEAST = {
     "finalists": 1,
 }
 """Settings that are counts, and their least values."""
-_CHOICES = {
-    "starts": ("random", "spread"),
-    "selection": ("cost", "fit"),
-    "refine": ("none", "spectral", "deform"),
-}
 
 
 @dataclass(frozen=True, kw_only=True)
-class MatchConfig:
-    """Settings of `medial.match`; the defaults are the best ones measured, `paper()` is Sec. 4 as written."""
+class MatchConfig(CheckedSettings):
+    """Settings of `medial.match`; the defaults are the best ones measured, `paper()` those of Sec. 4."""
 
+    kind: ClassVar[str] = "match setting"
     samples: int = 500
     """Samples S_P and S_Q; a cloud with fewer points is used whole. By spectral clustering (Sec. 4) or, with
     selection ``"fit"``, by clusters that are near in space as well: they have to cover the surface."""
@@ -39,7 +36,7 @@ class MatchConfig:
     candidates: float = 0.05
     """Fraction of S_Q, nearest in signature, that Eq. 16 searches; in (0, 1]."""
     landmarks: int = 5
-    """Landmark correspondences per restart."""
+    """Landmark correspondences per restart found by Eq. 16; those found by path length have up to nine."""
     restarts: int = 8
     """First landmarks that are tried."""
     starts: Literal["random", "spread"] = "spread"
@@ -65,32 +62,29 @@ class MatchConfig:
     """Nodes of the final deformation."""
     finalists: int = 3
     """Maps of nearly the best score that are deformed finely before one is picked."""
-    departures: Departures = ALL_DEPARTURES
-    """What differs from the equations. Matching looks at `area_normalised_kernels` (Eqs. 16-17) and, in
+    departures: Departures | None = None
+    """What differs from the equations, or ``"all"``, ``"none"``, or truth values by name; None takes what the
+    operators were built with. Matching looks at `area_normalised_kernels` (Eqs. 16-17) and, in
     `medial.intrinsic_symmetry`, at `mirrored_symmetry` (Sec. 5.2)."""
 
     def __post_init__(self) -> None:
-        """Check ranges and choices."""
+        """Check types and ranges."""
+        self.check_types()
+        if self.departures is not None:
+            object.__setattr__(self, "departures", Departures.of(self.departures))
         for name, low in _LEAST.items():
-            value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or value < low:
-                raise InputError(f"match setting {name} must be an integer of at least {low}, got {value!r}")
-        for name, choices in _CHOICES.items():
-            if getattr(self, name) not in choices:
-                raise InputError(
-                    f"match setting {name} must be one of {choices}, got {getattr(self, name)!r}"
-                )
+            check_count(getattr(self, name), f"match setting {name}", low)
         if not 0 < self.candidates <= 1:
             raise InputError(f"match setting candidates must lie in (0, 1], got {self.candidates!r}")
 
     @classmethod
     def paper(cls, departures: Departures | None = None) -> "MatchConfig":
-        """Sec. 4 as written: 700 samples, 25 times, top 5 %, 5 landmarks, 10 restarts, lowest Eq. 17 cost.
+        """Settings of Sec. 4: 700 samples, 25 times, top 5 %, 5 landmarks, 10 restarts, lowest Eq. 17 cost.
 
         Parameters
         ----------
         departures
-            ``Departures.none()`` also takes m_t in the cloud's own units, as Eqs. 16 and 17 do.
+            As the field: Eqs. 16 and 17 are as written where the operators are.
         """
         return cls(
             samples=700,
@@ -106,26 +100,40 @@ class MatchConfig:
             rigid_starts=False,
             recombine=False,
             refine="none",
-            departures=departures or ALL_DEPARTURES,
+            departures=departures,
         )
+
+    @classmethod
+    def of(cls, value: "MatchConfig | str | None", departures: Departures) -> "MatchConfig":
+        """Complete settings from what a caller gives.
+
+        Parameters
+        ----------
+        value
+            Settings, ``"default"`` or ``"paper"``; None is ``"paper"`` if all departures are switched off.
+        departures
+            Of the operators, for settings that leave them open.
+
+        Raises
+        ------
+        InputError
+            If it is none of these.
+        """
+        if value is None:
+            value = "paper" if departures == Departures.none() else "default"
+        if value in ("default", "paper"):
+            value = cls() if value == "default" else cls.paper()
+        if not isinstance(value, cls):
+            raise InputError(f"match config is {value!r}; give 'default', 'paper' or a MatchConfig")
+        return value if value.departures else replace(value, departures=departures)
 
     @classmethod
     def from_dict(cls, settings: Mapping[str, Any]) -> "MatchConfig":
         """Settings by name over the defaults, as read from a TOML file.
-
-        Parameters
-        ----------
-        settings
-            `departures` may be ``"all"``, ``"none"`` or truth values by name.
 
         Raises
         ------
         InputError
             If a name is unknown or a value is out of range.
         """
-        known = [f.name for f in fields(cls)]
-        unknown = sorted(set(settings) - set(known))
-        if unknown:
-            raise InputError(f"unknown match setting {unknown[0]!r}; known are {known}")
-        departures = Departures.of(settings.get("departures", ALL_DEPARTURES))
-        return cls(**{**settings, "departures": departures})
+        return cls(**settings)

@@ -1,6 +1,6 @@
 """Dense correspondences between two clouds from their diffusions (Sec. 4, and what holds with data missing).
 
-With `MatchConfig.paper()` this is Sec. 4 as written: `match_by_cost`. By default it is `match_by_fit`:
+With `MatchConfig.paper()` this is Sec. 4: `match_by_cost`. By default it is `match_by_fit`:
 
 1. prepare both clouds (`prepared`),
 2. draw candidates: many landmark sets, each with its alternatives, left for right or arm for leg
@@ -53,7 +53,9 @@ BARELY = 1.1
 scores better after more of it is wrong as often as right."""
 
 
-def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = None, seed: int = 0) -> Matching:
+def match(
+    source: Diffusion, target: Diffusion, config: MatchConfig | str | None = None, seed: int = 0
+) -> Matching:
     """Match every source point to a target point.
 
     Parameters
@@ -61,7 +63,7 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
     source, target
         Diffusions of one kind of operator.
     config
-        Defaults to `MatchConfig()`.
+        ``"default"``, ``"paper"`` or settings; see `MatchConfig.of`.
     seed
         Draws the samples, and the first landmarks where they are random. The same seed gives the same
         result for any number of threads.
@@ -73,17 +75,17 @@ def match(source: Diffusion, target: Diffusion, config: MatchConfig | None = Non
     Raises
     ------
     InputError
-        If the operators differ, or a cloud has no positive eigenvalue.
+        If the operators or their settings differ, or a cloud has no positive eigenvalue.
     """
     with single_blas_thread():
-        return match_pair(prepare_pair(source, target, config or MatchConfig(), seed))
+        return match_pair(prepare_pair(source, target, config, seed))
 
 
 def extrapolate(
     source: Diffusion,
     target: Diffusion,
     landmarks: NDArray[np.integer],
-    config: MatchConfig | None = None,
+    config: MatchConfig | str | None = None,
     seed: int = 0,
 ) -> Matching:
     """Grow a dense correspondence from given landmarks (Eq. 17), and refine it as configured.
@@ -106,7 +108,6 @@ def extrapolate(
     InputError
         If a landmark is not a point of its cloud, or as for `match`.
     """
-    config = config or MatchConfig()
     pairs = np.asarray(landmarks, dtype=np.int64).reshape(-1, 2)
     for column, diffusion, name in ((0, source, "source"), (1, target, "target")):
         if len(pairs) == 0 or pairs[:, column].min() < 0 or pairs[:, column].max() >= len(diffusion):
@@ -115,14 +116,13 @@ def extrapolate(
             )
     with single_blas_thread():
         pair = prepare_pair(source, target, config, seed)
-        if config.selection == "fit":
+        if pair.config.selection == "fit":
             directions = pair_directions(pair)
             given = [c for direction in directions for c in candidates(direction, [pairs], [])]
             found = match_by_fit(pair, directions, given)
         else:
-            found = match_by_cost(
-                pair, [diffusion_candidate(pair.source.descriptors, pair.target.descriptors, pairs, config)]
-            )
+            here, there = pair.source.descriptors, pair.target.descriptors
+            found = match_by_cost(pair, [diffusion_candidate(here, there, pairs, pair.config)])
     return replace(found, landmarks=pairs)
 
 

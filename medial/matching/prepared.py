@@ -7,9 +7,15 @@ from numpy.typing import NDArray
 
 from datasets_gen.compiled import run_tasks
 from datasets_gen.points.farthest import farthest_from_mean
-from datasets_gen.records import InputError
+from datasets_gen.values import check_seed
 from medial.diffusion import Diffusion
-from medial.matching.common_units import MOST_POINTS, CloudInUnits, common_units, in_source_units
+from medial.matching.common_units import (
+    MOST_POINTS,
+    CloudInUnits,
+    check_comparable,
+    common_units,
+    in_source_units,
+)
 from medial.matching.config import MatchConfig
 from medial.matching.landmarks.descriptors import DiffusionDescriptors, describe
 from medial.matching.landmarks.medial_paths import MedialPaths
@@ -75,7 +81,7 @@ class PreparedPair:
 def prepare_pair(
     source: Diffusion,
     target: Diffusion,
-    config: MatchConfig,
+    config: MatchConfig | str | None,
     seed: int,
     to_move: NDArray[np.bool_] | None = None,
 ) -> PreparedPair:
@@ -86,6 +92,7 @@ def prepare_pair(
     source, target
         Diffusions of one kind of operator.
     config
+        See `MatchConfig.of`.
     seed
         Draws the samples.
     to_move : (n,) bool, optional
@@ -94,13 +101,11 @@ def prepare_pair(
     Raises
     ------
     InputError
-        If the operators differ, as their diffusions cannot be compared, or a cloud has no positive
-        eigenvalue.
+        If the operators or their settings differ, a cloud has no positive eigenvalue, or the seed is none.
     """
-    if source.operator != target.operator:
-        raise InputError(
-            f"cannot match a {source.operator!r} diffusion to a {target.operator!r} one; use one operator"
-        )
+    check_comparable(source, target)
+    check_seed(seed)
+    config = MatchConfig.of(config, source.departures)
     both = in_source_units(source, target)
     times = logarithmic_times(*(each.eigenvalues for each in both), count=config.times)
     clouds = common_units(*both)
@@ -108,7 +113,7 @@ def prepare_pair(
     if config.selection == "fit" or config.refine == "deform":
         coordinates = [*run_tasks(neighbourhoods, [(each,) for each in both])]
     samples = _samples(both, coordinates, config, seed)
-    own_area = config.departures.area_normalised_kernels
+    own_area = (config.departures or source.departures).area_normalised_kernels
     described = [describe(each, times, some, own_area) for each, some in zip(both, samples, strict=True)]
     paths: list[MedialPaths | None] = [None, None]
     if config.paths and config.selection == "fit":

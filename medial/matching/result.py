@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.records import InputError, load_record, save_record
+from datasets_gen.records import InputError, load_record, save_record, unpacking
 from medial.matching.config import MatchConfig
 
 Int = NDArray[np.int64]
@@ -15,6 +15,8 @@ Float = NDArray[np.float64]
 
 UNCHECKED = "unchecked"
 """The mirror check of a map that no deformation decided on."""
+CONFIDENT = 0.5
+"""Confidence from which a point counts as matched."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -26,7 +28,8 @@ class Matching:
     source_to_target : (n_source,) int64
         Target point of every source point; -1 where a method finds none.
     landmarks : (L, 2) int64
-        Source and target point ids of the landmarks that the map grew from. The targets are the partners that
+        Source and target point ids of the landmarks that the map grew from: `MatchConfig.landmarks` of them
+        by Eq. 16, or up to nine if a set by path length was chosen. The targets are the partners that
         Eq. 16 found where Eq. 17 alone made the map, as in the paper (selection ``"cost"`` without
         deformation). Where a deformation made it, they are where the final map sends the source landmarks.
         Landmarks given to `medial.extrapolate` stay as given.
@@ -41,7 +44,8 @@ class Matching:
         onto the source), ``cost`` (of Eq. 17, over the samples of what is deformed; NaN for path length),
         ``score`` (higher is better; what picked the set), ``chosen`` (bool).
     mirror_check : str
-        Whether the deformation confirms the map of the lowest Eq. 17 cost, which is mirrored as often as not:
+        Whether the deformation confirms the map of the lowest Eq. 17 cost, which is mirrored as often as not.
+        It is no error, and says nothing of a symmetry:
         ``"agrees"`` (it took that map), ``"overruled"`` (it took another one), ``"undecided"`` (another map
         fits about as well) or ``"unchecked"`` (no deformation was tried).
     seed : int
@@ -71,10 +75,9 @@ class Matching:
     def __repr__(self) -> str:
         """Say in one line how many points are matched, and how surely."""
         sure = float(self.confidence.mean()) if len(self) else 0.0
-        return (
-            f"Matching({len(self)} points, {len(self.landmarks)} landmarks, mean confidence {sure:.2f}, "
-            f"mirror check {self.mirror_check})"
-        )
+        doubt = ", mirror check undecided" if self.mirror_check == "undecided" else ""
+        counts = f"{len(self)} points, {len(self.landmarks)} landmarks"
+        return f"Matching({counts}, mean confidence {sure:.2f}{doubt})"
 
     def extended(self, nearest: Int, source_ids: Int, target_ids: Int) -> "Matching":
         """The map between the whole clouds that the matched points were picked from.
@@ -130,9 +133,10 @@ class Matching:
         if "flip" in meta:
             old = meta.pop("flip")
             meta["mirror_check"] = _OLD_WORDS.get(old, old)
-        meta["config"].pop("first_mode", None)  # was always 1 unless someone changed it
-        meta["config"] = MatchConfig.from_dict(meta["config"])
-        return cls(**arrays, **meta, restarts=table)
+        with unpacking(path, "Matching"):
+            meta["config"].pop("first_mode", None)  # was always 1 unless someone changed it
+            meta["config"] = MatchConfig.from_dict(meta["config"])
+            return cls(**arrays, **meta, restarts=table)
 
 
 def _read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -100,7 +100,10 @@ def _scan(path: Path) -> "Scan | None":
 
     suffix = path.suffix.lower()
     if suffix == ".npz":
-        return None if file_kind(path) == "Shape" else Scan.load(path)
+        kind = file_kind(path)
+        if kind in ("Matching", "Correspondence", "Diffusion", "Collection"):
+            raise InputError(f"{str(path)!r} holds a {kind}, no cloud; give a scan, a cloud or a mesh")
+        return None if kind == "Shape" else Scan.load(path)
     if suffix == ".xyz":
         return bare_scan(*_columns(path), name=path.stem)
     points, normals, faces = _read(path)

@@ -11,8 +11,10 @@ if TYPE_CHECKING:
 FILE = "experiment.toml"
 
 
-def load_experiment(name: str, datasets: tuple[str, ...] = (), seeds: int | None = None) -> "Experiment":
-    """An experiment, with other data sets, which follow its rule of poses, and other seeds.
+def load_experiment(
+    name: str, datasets: tuple[str, ...] = (), seeds: int | None = None, poses: str | None = None
+) -> "Experiment":
+    """An experiment, with other data sets, which follow its rule of poses, other seeds and other poses.
 
     Parameters
     ----------
@@ -22,6 +24,8 @@ def load_experiment(name: str, datasets: tuple[str, ...] = (), seeds: int | None
         Use these instead of the experiment's.
     seeds
         Use the seeds 0 to ``seeds - 1`` instead of the experiment's.
+    poses
+        A number, ``"all"`` or names with commas between them, for every data set.
 
     Raises
     ------
@@ -40,11 +44,21 @@ def load_experiment(name: str, datasets: tuple[str, ...] = (), seeds: int | None
     experiment = Experiment.load(name if folder is None else folder / FILE)
     if seeds is not None:
         experiment = replace(experiment, seeds=tuple(range(seeds)))
-    if not datasets:
-        return experiment
-    rule = experiment.dataset[0].poses
-    poses: Any = "all" if isinstance(rule, tuple) else rule
-    return replace(experiment, dataset=tuple(DatasetSection(name=each, poses=poses) for each in datasets))
+    chosen: Any = poses
+    if poses is not None and poses != "all":
+        chosen = (
+            int(poses) if poses.lstrip("-").isdigit() else tuple(each.strip() for each in poses.split(","))
+        )
+    if datasets:
+        rule = experiment.dataset[0].poses
+        rule = "all" if isinstance(rule, tuple) else rule
+        located = [str(Path(each).resolve()) if Path(each).is_dir() else each for each in datasets]
+        sections = tuple(DatasetSection(name=each, poses=rule) for each in located)
+        experiment = replace(experiment, dataset=sections)
+    if poses is not None:
+        sections = tuple(replace(each, poses=chosen) for each in experiment.dataset)
+        experiment = replace(experiment, dataset=sections)
+    return experiment
 
 
 def results_of(name: str) -> Path | None:
@@ -80,6 +94,6 @@ def _check_folder(name: str) -> None:
     if any(each.suffix.lower() in MESH_SUFFIXES for each in folder.iterdir()):
         raise Failure(
             f"{name!r} is a folder of meshes, not an experiment; "
-            f"scan and match them with: medialbench run matching --dataset {name}"
+            f"scan and match them with: medialbench run quick --dataset {name}"
         )
     raise Failure(f"folder {name!r} holds no {FILE}; give one that does, or a preset: {', '.join(known)}")

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from reports.cli.set_options import value_of
+
 if TYPE_CHECKING:
     from medial import Diffusion, Matching
     from reports.cli.cloud_files import ThinnedCloud
@@ -40,6 +42,14 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
             help="Where operators are built: cpu, or cuda on a GPU; see medialbench doctor.",
         ),
         click.option(
+            "--departures",
+            metavar="all|none|{NAME=false}",
+            default="all",
+            show_default=True,
+            callback=lambda _context, _option, text: value_of(text),
+            help="From the paper: none is the paper as written, slow from 2,000 points on (docs/paper.md).",
+        ),
+        click.option(
             "--points",
             default=POINTS,
             show_default=True,
@@ -60,12 +70,12 @@ def check_map_outputs(out: Path, picture: Path | None, inputs: tuple[Path, ...])
         check_output_file(picture, (".png", ".pdf"), inputs)
 
 
-def operator_of(cloud: "ThinnedCloud", name: str, modes: int, device: str) -> "Diffusion":
-    """An operator on the matched points of a cloud."""
+def operator_of(cloud: "ThinnedCloud", name: str, modes: int, **settings: Any) -> "Diffusion":
+    """An operator on the matched points of a cloud; settings as of `Diffusion.from_points`."""
     from medial import Diffusion
 
     scan = cloud.scan
-    return Diffusion.from_points(scan.points, scan.normals, operator=name, modes=modes, device=device)
+    return Diffusion.from_points(scan.points, scan.normals, operator=name, modes=modes, **settings)
 
 
 def write_map(
@@ -104,7 +114,12 @@ def summary(whole: "Matching", matched: int) -> str:
     matched
         Number of source points that were matched; the others follow their nearest neighbour.
     """
-    sure = 100 * float((whole.confidence >= 0.5).mean())
-    if matched < len(whole):
-        return f"Matched {matched:,} points; extended to all {len(whole):,}; confident on {sure:.0f} %"
-    return f"Matched all {len(whole):,} points; confident on {sure:.0f} %"
+    from medial.matching.result import CONFIDENT
+
+    sure = 100 * float((whole.confidence >= CONFIDENT).mean())
+    counts = (
+        f"{matched:,} points; extended to all {len(whole):,}"
+        if matched < len(whole)
+        else f"all {matched:,} points"
+    )
+    return f"Matched {counts}; confident on {sure:.0f} % (confidence of at least {CONFIDENT:g})"

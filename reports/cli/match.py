@@ -1,6 +1,7 @@
 """``medialbench match``: the correspondence of two clouds in files."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -19,9 +20,9 @@ from reports.cli.set_options import parsed
 STEPS = (
     ("reading", 1),
     ("loading libraries", 2),
-    ("operator of the source", 8),
-    ("operator of the target", 8),
-    ("matching", 6),
+    ("operator of the source", 4),
+    ("operator of the target", 4),
+    ("matching", 16),
     ("writing", 1),
 )
 
@@ -34,14 +35,17 @@ STEPS = (
     "-o", "--out", type=click.Path(path_type=Path), help="Map to write.  [default: SOURCE-TARGET.map.npz]"
 )
 @click.option(
-    "--method", default="medial", show_default=True, help="Matching method; see medialbench doctor."
+    "--method",
+    default="medial",
+    show_default=True,
+    help="Matching method; see medialbench doctor. medial, heat and robust are operator= in Python.",
 )
 @click.option(
     "--set",
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
-    help="An option of the method, as config=paper; may be repeated.",
+    help="An option of the method, as config=paper (the settings of Sec. 4); may be repeated.",
 )
 def match(
     source: Path,
@@ -50,6 +54,7 @@ def match(
     points: int,
     modes: int,
     device: str,
+    departures: Any,
     seed: int,
     repair: bool,
     picture: Path | None,
@@ -84,7 +89,8 @@ def match(
         sides: list[MethodInput] = []
         for cloud, path in ((here, source), (there, target)):
             next(step)
-            operators = {name: operator_of(cloud, name, modes, device) for name in matcher.operators}
+            built = {"device": device, "departures": departures}
+            operators = {name: operator_of(cloud, name, modes, **built) for name in matcher.operators}
             sides.append(MethodInput(name=path.stem, scan=cloud.scan, operators=operators))
         next(step)
         found = matcher.match(sides[0], sides[1], seed=seed)
@@ -92,5 +98,5 @@ def match(
         whole = write_map(out, here, there, found, {"method": method, "seed": seed, "device": device})
         if picture is not None:
             draw_map(picture, (here, there), (source.name, target.name), found)
-    check = "" if found.mirror_check == "unchecked" else f"; mirror check {found.mirror_check}"
+    check = "; mirror check undecided" if found.mirror_check == "undecided" else ""
     say(quiet, f"{summary(whole, len(found))}{check}; written to {out}")

@@ -8,6 +8,7 @@ import click
 
 from reports.cli.console import Command, Failure, Interrupted, print_lines, result_console, say
 from reports.cli.experiment_argument import check_experiment_kept, load_experiment, results_of
+from reports.cli.preset_names import preset_names
 from reports.cli.progress import clock, sweep_progress
 
 if TYPE_CHECKING:
@@ -23,6 +24,11 @@ if TYPE_CHECKING:
     multiple=True,
     metavar="NAME|FOLDER",
     help="Use this instead of the experiment's data sets: built in, or a folder of poses; may be repeated.",
+)
+@click.option(
+    "--poses",
+    metavar="N|NAME,NAME",
+    help="Use N poses of each data set, or these; instead of the experiment's.",
 )
 @click.option(
     "--seeds",
@@ -45,6 +51,7 @@ def run(
     experiment: str,
     out: Path | None,
     datasets: tuple[str, ...],
+    poses: str | None,
     seeds: int | None,
     jobs: int | None,
     scheduler: str | None,
@@ -55,22 +62,29 @@ def run(
 ) -> None:
     """Scan, match, score and report: run a PRESET or an experiment described by a TOML file.
 
+    PRESET is one of PRESETS. docs/methods.md describes the file.
+
     A folder of RESULTS stands for its experiment.toml, and goes on where it stopped. For meshes of your own:
-    medialbench run matching --dataset FOLDER.
+    medialbench run quick --dataset FOLDER, with --dry-run to see first how long it takes. The preset matching
+    compares every method on five kinds of scans, for hours; some need pip install -e '.[peers]'.
 
     Results that are stored in the folder already are used again, so the same command goes on after an
     interruption. Ends with the leaderboard and the path of the report.
     """
     from reports.cli.output_paths import check_output_folder
 
-    settings = load_experiment(experiment, datasets, seeds)
-    folder = check_output_folder(out or results_of(experiment) or Path("results") / settings.name)
+    settings = load_experiment(experiment, datasets, seeds, poses)
+    folder = out or results_of(experiment) or Path("results") / settings.name
     if dry_run:
         _preview(settings, folder, jobs)
         return
+    check_output_folder(folder)
     check_experiment_kept(experiment, settings, folder)
     store = _sweep(settings, folder, quiet, jobs=jobs, scheduler=scheduler, force=force)
     _finish(store, with_report, quiet, jobs)
+
+
+run.help = str(run.help).replace("PRESETS", ", ".join(preset_names("evaluation", "protocols")))
 
 
 def _sweep(settings: "Experiment", folder: Path, quiet: bool, **options: Any) -> "ResultsStore":

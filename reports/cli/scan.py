@@ -5,8 +5,9 @@ from pathlib import Path
 import click
 
 from reports.cli.console import Command, say
+from reports.cli.preset_names import preset_names
 from reports.cli.progress import steps
-from reports.cli.set_options import parsed
+from reports.cli.set_options import merged, value_of
 
 
 @click.command(cls=Command, short_help="Scan a mesh with the simulated laser scanner.")
@@ -15,7 +16,12 @@ from reports.cli.set_options import parsed
     "-o",
     "--out",
     type=click.Path(path_type=Path),
-    help="Scan to write: .npz (everything) or .ply.  [default: MESH.scan.npz]",
+    help="Scan to write: .npz (everything), .ply, .las, .laz or .e57.  [default: MESH.scan.npz]",
+)
+@click.option(
+    "--preset",
+    metavar="NAME|FILE.toml",
+    help=f"Settings of a known scanner: {', '.join(preset_names())}; or of your own, in a table [scanner].",
 )
 @click.option(
     "-t",
@@ -23,7 +29,9 @@ from reports.cli.set_options import parsed
     type=float,
     help="Smallest accepted laser peak, in (0, 1]; higher loses more surface.  [default: 0.1]",
 )
-@click.option("--views", help="Viewpoints: a number, sphere:N, ring:N or opposed.  [default: 10]")
+@click.option(
+    "--views", help="Viewpoints: a number, sphere:N, ring:N, opposed or [[x, y, z], ...].  [default: 10]"
+)
 @click.option(
     "--points", type=click.IntRange(min=1), help="Keep this many points, evenly spread.  [default: all]"
 )
@@ -46,11 +54,18 @@ from reports.cli.set_options import parsed
     "--range-images",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Also write a 16-bit range image per view, and the cameras.",
+    help="Also write a 16-bit range image per view, and the cameras (cameras.json, transforms.json).",
+)
+@click.option(
+    "--truth",
+    type=click.Path(path_type=Path),
+    metavar="FILE.ply",
+    help="Also write the complete surface as points that know whether the scan has seen them.",
 )
 def scan(
     mesh: Path,
     out: Path | None,
+    preset: str | None,
     peak_threshold: float | None,
     views: str | None,
     points: int | None,
@@ -59,6 +74,7 @@ def scan(
     repair: bool,
     preview: Path | None,
     range_images: Path | None,
+    truth: Path | None,
     quiet: bool,
 ) -> None:
     """Scan MESH (.ply, .obj or .off) with the simulated laser scanner.
@@ -66,41 +82,49 @@ def scan(
     Every point of the scan knows its face and barycentric coordinates on the mesh.
     """
     from datasets_gen import load_mesh
+    from datasets_gen.meshes.colours import colours_of
     from reports.cli.output_paths import check_output_file, check_output_folder, default_output
 
     out = out or default_output((mesh,), "scan")
-    check_output_file(out, (".npz", ".ply"), (mesh,))
+    check_output_file(out, (".npz", ".ply", ".las", ".laz", ".e57"), (mesh,))
     if preview is not None:
         check_output_file(preview, (".png", ".pdf", ".svg"), (mesh,))
     if range_images is not None:
         check_output_folder(range_images)
-    named = {"views": _number(views), "peak_threshold": peak_threshold}
-    given = {name: value for name, value in named.items() if value is not None} | parsed(settings)
+    if truth is not None:
+        check_output_file(truth, (".ply",), (mesh,))
+        if truth.absolute() == out.absolute():
+            raise click.UsageError(f"--truth and -o are both {str(truth)!r}; choose another name for one")
+    chosen_views = None if views is None else value_of(views)
+    given = merged({"views": chosen_views, "peak_threshold": peak_threshold}, settings)
     with steps(
         quiet, [("reading the mesh", 1), ("starting the scanner", 2), ("scanning", 10), ("writing", 2)]
     ) as step:
         next(step)
-        shape = load_mesh(mesh, repair=repair)
+        shape = load_mesh(mesh, repair=repair, strict=False)
         next(step)
         import scanner_sim
+        from scanner_sim.output.packages import check_packages
+        from scanner_sim.output.truth import write_truth
 
-        config = scanner_sim.ScannerConfig.from_dict(given)
+        check_packages(out)
+        chosen = {} if preset is None else {"preset": preset}
+        config = scanner_sim.ScannerConfig.from_dict(chosen | given)
+        colours = colours_of(mesh) if config.material == "colours" else None
         next(step)
-        whole = scanner_sim.scan(shape, config, seed)
+        whole = scanner_sim.scan(shape, config, seed, colours)
         missing = 1 - scanner_sim.coverage(whole, shape)
         cloud = whole if points is None else whole.subsample(points, seed)
         next(step)
         cloud.save(out)
         if preview is not None:
-            scanner_sim.write_contact_sheet(shape, preview, config, seed)
+            scanner_sim.write_contact_sheet(shape, preview, config, seed, attributes=colours)
         if range_images is not None:
             scanner_sim.write_range_images(whole, range_images)
+        if truth is not None:
+            write_truth(truth, whole, shape)
     kept = f", {len(cloud):,} kept" if len(cloud) < len(whole) else ""
     say(
         quiet,
         f"{len(whole):,} points{kept}; {100 * missing:.1f} % of the surface is missing; written to {out}",
     )
-
-
-def _number(views: str | None) -> int | str | None:
-    return int(views) if views is not None and views.lstrip("-").isdigit() else views

@@ -1,6 +1,7 @@
 """``medialbench symmetry``: the intrinsic symmetry of a cloud in a file."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -15,7 +16,7 @@ from reports.cli.map_options import (
 )
 from reports.cli.progress import steps
 
-STEPS = (("reading", 1), ("loading libraries", 2), ("operator", 8), ("matching", 6), ("writing", 1))
+STEPS = (("reading", 1), ("loading libraries", 2), ("operator", 4), ("matching", 16), ("writing", 1))
 
 
 @click.command(cls=Command, short_help="Find the intrinsic symmetry of a cloud.")
@@ -30,6 +31,7 @@ def symmetry(
     points: int,
     modes: int,
     device: str,
+    departures: Any,
     seed: int,
     repair: bool,
     picture: Path | None,
@@ -52,7 +54,7 @@ def symmetry(
         from medial import intrinsic_symmetry
 
         next(step)
-        operator = operator_of(whole, "medial", modes, device)
+        operator = operator_of(whole, "medial", modes, device=device, departures=departures)
         next(step)
         found = intrinsic_symmetry(operator, seed=seed)
         next(step)

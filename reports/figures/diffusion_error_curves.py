@@ -18,6 +18,8 @@ TICKS = 8
 def diffusion_error_curves(table: pd.DataFrame) -> Figure:
     """Panels, one per operator (columns) and number of views (rows), of one dataset.
 
+    Each has its own axis: operators differ in the size of their kernels, and their errors do not compare.
+
     Parameters
     ----------
     table
@@ -33,7 +35,6 @@ def diffusion_error_curves(table: pd.DataFrame) -> Figure:
         3.5 * len(operators) + 1.0,
         2.7 * len(views) + 0.5,
         sharex=True,
-        sharey="row",
     )
     styles = series_styles(list(dict.fromkeys(table["source_pose"])))
     for row, count in zip(grid, views, strict=True):
@@ -43,8 +44,8 @@ def diffusion_error_curves(table: pd.DataFrame) -> Figure:
             suffix = f", {count} views" if len(views) > 1 else ""
             axes.set_title(f"{operator}{suffix}")
             _missing(axes, part, label=axes is row[-1])
-        row[0].set_ylim(0, 1.06 * float(table.loc[table["views"] == count, "eq18"].max() or 1))
-        row[0].set_ylabel("medial diffusion error, Eq. 18")
+            axes.set_ylim(0, 1.06 * float(part["eq18"].max() or 1))
+        row[0].set_ylabel("diffusion error, Eq. 18")
     thresholds = sorted(table["source_threshold"].unique())
     for axes in grid[-1]:
         if len(thresholds) <= TICKS:

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from datasets_gen.records import InputError
+from datasets_gen.values import check_count
 from medial.diffusion import Diffusion
 from reports.figures.cloud_drawing import caption, place_cloud, position_colors
 from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
@@ -35,7 +36,7 @@ def diffusion_modes(diffusion: Diffusion, mode: int = 1, height: int = 480, up: 
     InputError
         If there is no such eigenfunction.
     """
-    if not 0 <= mode < len(diffusion.eigenvalues):
+    if check_count(mode, "mode", 0) >= len(diffusion.eigenvalues):
         raise InputError(f"no mode {mode!r}; give a number from 0 to {len(diffusion.eigenvalues) - 1}")
     values = diffusion.eigenfunctions[:, mode]
     signed = SIGNED(0.5 + 0.5 * values / max(np.quantile(np.abs(values), 0.99), 1e-300))[:, :3]

@@ -94,7 +94,7 @@ def render_page(data: PageData) -> str:
         colors=method_colors(data.leaderboard["method"]) if len(data.leaderboard) else {},
         board=blocks(data.leaderboard, BOARD, GROUP, "geodesic_mean", "regime"),
         board_columns=filled_columns(BOARD, data.leaderboard)[len(GROUP) :],
-        stable=blocks(data.stability, STABILITY, STABILITY_GROUP, "eq18", ""),
+        stable=blocks(data.stability, STABILITY, STABILITY_GROUP, "eq18_relative", ""),
         stable_columns=filled_columns(STABILITY, data.stability)[1:] if len(data.stability) else [],
         pictures={name: data.pictures.get(name, []) for name in SECTIONS},
         groups=list(dict.fromkeys(p.group for p in data.pictures.get("pairs", []))),

@@ -47,7 +47,7 @@ LEADERBOARD = (
     Column("geodesic_median", "median", 1, "low", "Median over points, mean over maps, × 100 / √area."),
     Column(
         "geodesic_symmetric_mean",
-        "up to flip",
+        "symmetric error",
         1,
         "low",
         "Mean error to the truth or to its mirror image, whichever is lower for the whole map.",
@@ -60,7 +60,9 @@ LEADERBOARD = (
     Column(
         "overlap_iou", "overlap IoU", 2, "high", "Confident points against points that have a counterpart."
     ),
-    Column("eq18", "Eq. 18", 4, "low", "Instability of the method's operator at this threshold."),
+    Column(
+        "eq18", "Eq. 18", 4, about="Of the method's operator at this threshold; within one operator only."
+    ),
     Column("seconds_match", "time s", 1, about="To match one pair, operators given."),
 )
 
@@ -71,8 +73,8 @@ STABILITY = (
     Column("source_threshold", "threshold τ", 2),
     Column("missing", "missing %", 0),
     Column("scans", "scans", 0),
-    Column("eq18", "Eq. 18", 4, "low", "As written, of the kernel times the area of the reference."),
-    Column("eq18_trace", "by heat trace", 5, "low", "Each kernel divided by its heat trace."),
+    Column("eq18", "Eq. 18", 4, about="As written, of the kernel times the area of the reference."),
+    Column("eq18_trace", "by heat trace", 5, about="Each kernel divided by its heat trace."),
     Column("eq18_relative", "relative", 3, "low", "Relative to the size of the reference's kernel."),
 )
 

@@ -2,42 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scanner_sim.optics import peak, sensor, stripe
-from scanner_sim.optics.camera import camera_rays
+from scanner_sim.optics.blur import blurred
+from scanner_sim.optics.contributions import Contributions, brightest_rows, contributions
 from scanner_sim.optics.hits import Hits
-from scanner_sim.optics.triangulation import triangulate
+from scanner_sim.optics.noise import SampleNoise
+from scanner_sim.optics.rows import Rows
+from scanner_sim.optics.triangulation import triangulated
+from scanner_sim.optics.verdict import FittedPeaks, judged
 from scanner_sim.scanner_config import ScannerConfig
-
-SATURATED_SAMPLES = 3
-"""A pixel whose peak is rejected counts as saturated if this many of its samples are."""
 
 Indirect = Callable[[NDArray[np.int32], stripe.SweptStripes], NDArray[np.float64]]
 """Light by more than one reflection, (m, w), of pixels (m, 2) under the stripes of their rows."""
-
-
-class Verdict(IntEnum):
-    """What became of a pixel."""
-
-    MISS = 0
-    """The camera ray misses the object."""
-    ACCEPTED = 1
-    SHADOW = 2
-    """The surface faces the laser, but something is in between."""
-    GRAZING = 3
-    """The surface faces away from the laser, or so obliquely that a white one would be too dark."""
-    DARK = 4
-    """Too little light returns for another reason: material, falloff, noise."""
-    SATURATED = 5
-    """Too much light returns to locate the peak."""
-    OUT_OF_RANGE = 6
-    """Nearer or farther than the depths swept."""
-    POOR_FIT = 7
-    """No Gaussian, or one too wide, too far from the samples or from the true depth."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +27,7 @@ class ViewMeasurement:
     Attributes
     ----------
     index : (m,) int64
-        Into the view's hits.
+        Into the view's hits: of the rays that light the pixel, the one nearest to the measured point.
     points : (m, 3) float64
         Triangulated, in camera coordinates, mm; not finite without a peak.
     peak, angle, width : (m,) float64
@@ -64,11 +44,29 @@ class ViewMeasurement:
     verdict: NDArray[np.int8]
 
 
+@dataclass(frozen=True)
+class Samples:
+    """What the sensor stored of the lit pixels of a view.
+
+    Attributes
+    ----------
+    lit : Contributions
+        Surface points that light each of n rows.
+    pixels : (n, 2) int32
+    rows : Rows
+        Intensities over time, the dark frame subtracted.
+    ceiling : (n,) float64
+        Intensity at which the sensor saturates.
+    """
+
+    lit: Contributions
+    pixels: NDArray[np.int32]
+    rows: Rows
+    ceiling: NDArray[np.float64]
+
+
 def measure(
-    hits: Hits,
-    config: ScannerConfig,
-    rng: np.random.Generator,
-    indirect: Indirect | None = None,
+    hits: Hits, config: ScannerConfig, seed: int, view: int, indirect: Indirect | None = None
 ) -> ViewMeasurement:
     """Fit the peak of every lit pixel of a view and triangulate it.
 
@@ -76,137 +74,140 @@ def measure(
     ----------
     hits
     config
-    rng
-        Source of the sensor's noise.
+    seed, view
+        Identity of the sensor's noise.
     indirect
         Gives light that arrives by more than one reflection, for pixels and their stripes.
 
     Returns
     -------
     ViewMeasurement
-        Of the hits that the laser reaches.
+        Of the pixels that the laser reaches.
     """
-    index = np.flatnonzero(hits.radiance > 0)
-    laser = stripe.laser_coordinates(hits.points[index], config.baseline)
-    first, values = intensities(hits, index, laser, config, rng, indirect)
-    return _fitted(hits, index, laser, first, values, config)
+    stored = samples(hits, config, seed, view, indirect)
+    count = len(stored.pixels)
+    position, height, width, residual, largest = (np.full(count, np.nan) for _ in range(5))
+    accepted, saturated = np.zeros(count, bool), np.zeros(count, np.int64)
+    for index in stored.rows.blocks():
+        values, ceiling = stored.rows.padded(index), stored.ceiling[index]
+        found = peak.fit(values, config.fit, ceiling, config.step)
+        position[index], height[index], width[index] = found.position, found.peak, found.width
+        residual[index], accepted[index] = found.residual, found.accepted
+        largest[index] = values.max(axis=1)
+        saturated[index] = (values >= ceiling[:, None] - 1e-9).sum(axis=1)
+    angle = config.sweep[0] + (stored.rows.first + position + 0.5) * config.step
+    points = triangulated(stored.pixels, angle, config)
+    point = _nearest_points(stored.lit, hits, points)
+    hit = stored.lit.hit[point]
+    width *= config.step
+    widest = _widest(stored.lit, point, hits, config)
+    peaks = FittedPeaks(height, width, residual, accepted, widest, largest, saturated)
+    verdict = judged(peaks, points, hits.points[hit], hits.face_ids[hit], config)
+    return ViewMeasurement(hit, points, height, angle, width, verdict)
 
 
-def intensities(
-    hits: Hits,
-    index: NDArray[np.int64],
-    laser: stripe.LaserCoordinates,
-    config: ScannerConfig,
-    rng: np.random.Generator,
-    indirect: Indirect | None = None,
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Camera intensities over time of the lit pixels.
-
-    Parameters
-    ----------
-    hits
-    index : (m,)
-        The lit ones among the hits.
-    laser
-        Their laser coordinates.
-    config
-    rng
-        Source of the sensor's noise.
-    indirect
-        As for `measure`.
-
-    Returns
-    -------
-    first : (m,) int64
-        Number of the first stripe of each row.
-    values : (m, w) float64
-        Stored intensities under it and the stripes that follow.
-    """
-    amplitude = hits.radiance[index] * stripe.falloff(laser, config)
-    pixels = hits.pixels[index]
-    margin = 3 * config.smoothing / config.focal + (config.wedge / 2 if indirect else 0)
-    swept = stripe.swept_stripes(laser, config, margin)
-    light = swept.values * amplitude[:, None]
-    if config.smoothing > 0:
-        light = blurred(pixels, amplitude, laser, swept, config)
+def samples(
+    hits: Hits, config: ScannerConfig, seed: int, view: int, indirect: Indirect | None = None
+) -> Samples:
+    """Intensities over time of the lit pixels of a view; parameters as for `measure`."""
+    lit = contributions(hits, config)
+    swept = stripe.swept_stripes(lit.laser, config, config.wedge / 2 if indirect else 0.0)
+    light = lit.gather(swept, lit.amplitude)
+    cast = lit.gather(swept, lit.share) if config.noise > 0 else light  # bounds the reference's speckle
+    if not lit.single:
+        kept = brightest_rows(lit, light.largest(), hits, config)
+        lit, light, cast = (
+            lit.select(kept),
+            light.select(np.flatnonzero(kept)),
+            cast.select(np.flatnonzero(kept)),
+        )
+    pixels = hits.pixels[lit.hit[np.searchsorted(lit.row, np.arange(lit.rows))]]
+    if config.smoothing > 0 and config.smoothing_stage == "light":
+        light, cast = blurred(pixels, light, config), blurred(pixels, cast, config)
+        brightest = light.brightest_runs()
+        light, cast = light.cut(*brightest), cast.cut(*brightest)
     if indirect is not None:
-        light = light + indirect(pixels, swept)
-    return swept.first, sensor.expose(light, swept.values, config, rng)
+        light = Rows(light.first, light.stop, light.values + indirect(pixels, swept).ravel())
+    stored, ceiling = _stored(pixels, light, cast, lit.total(lit.ambient), config, seed, view)
+    if config.smoothing > 0 and config.smoothing_stage == "image":
+        stored = blurred(pixels, stored, config)
+    return Samples(lit, pixels, stored, ceiling)
 
 
-def blurred(
+def _stored(
     pixels: NDArray[np.int32],
-    amplitude: NDArray[np.float64],
-    laser: stripe.LaserCoordinates,
-    swept: stripe.SweptStripes,
+    light: Rows,
+    cast: Rows,
+    ambient: NDArray[np.float64],
     config: ScannerConfig,
+    seed: int,
+    view: int,
+) -> tuple[Rows, NDArray[np.float64]]:
+    """Rows as the sensor stores them, and the intensity at which each saturates, (n,)."""
+    values, ceiling = np.empty_like(light.values), np.empty(len(pixels))
+    start, length = light.start, light.stop - light.first
+    for index in light.blocks():
+        width = int(length[index].max())
+        noise = SampleNoise(seed, view, pixels[index], light.first[index], width)
+        shown, ceiling[index] = sensor.expose(
+            light.padded(index), cast.padded(index), ambient[index], config, noise
+        )
+        if shown.size == len(values):  # all rows, of one length
+            values[:] = shown.ravel()
+            continue
+        inside = np.arange(width) < length[index][:, None]
+        values[(start[index][:, None] + np.arange(width))[inside]] = shown[inside]
+    return Rows(light.first, light.stop, values), ceiling
+
+
+def _nearest_points(lit: Contributions, hits: Hits, points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Of the surface points of each row, the one nearest to the measured point, (n,)."""
+    if lit.single:
+        return np.arange(lit.rows)
+    gap = np.linalg.norm(np.nan_to_num(points)[lit.row] - hits.points[lit.hit], axis=1)
+    order = np.lexsort((gap, lit.row))
+    return order[np.searchsorted(lit.row, np.arange(lit.rows))]
+
+
+def _widest(
+    lit: Contributions, point: NDArray[np.int64], hits: Hits, config: ScannerConfig
 ) -> NDArray[np.float64]:
-    """Light of every stripe near each pixel after each stripe's image was blurred, (m, w).
-
-    Every pixel gathers the light of its neighbours, weighted by the Gaussian; unlit ones give none.
-    """
-    reach = int(np.ceil(3 * config.smoothing))
-    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / config.smoothing) ** 2)
-    weights /= weights.sum()
-    columns, rows = config.resolution
-    place = np.full((rows + 2 * reach, columns + 2 * reach), -1, np.int64)
-    place[pixels[:, 1] + reach, pixels[:, 0] + reach] = np.arange(len(pixels))
-    total = np.zeros_like(swept.values)
-    for dy in range(2 * reach + 1):
-        for dx in range(2 * reach + 1):
-            other = place[pixels[:, 1] + dy, pixels[:, 0] + dx]
-            here = np.flatnonzero(other >= 0)
-            q = other[here]
-            source = stripe.LaserCoordinates(laser.angle[q], laser.axis_distance[q], laser.distance[q])
-            offset, inside = stripe.offsets(swept.first[here], total.shape[1], source.angle, config)
-            cast = np.where(inside, stripe.light(offset, source, config), 0)
-            total[here] += weights[dy] * weights[dx] * amplitude[q, None] * cast
-    return total
-
-
-def _fitted(
-    hits: Hits,
-    index: NDArray[np.int64],
-    laser: stripe.LaserCoordinates,
-    first: NDArray[np.int64],
-    values: NDArray[np.float64],
-    config: ScannerConfig,
-) -> ViewMeasurement:
-    """Peaks, points and verdicts of intensities over time."""
-    peaks = peak.fit(values, config.fit)
-    angle = config.sweep[0] + (first + peaks.position + 0.5) * config.step
-    width = peaks.width * config.step
-    points = triangulate(camera_rays(hits.pixels[index], config), angle, config.baseline)
-    truth = hits.points[index]
-    fitting = (peaks.residual <= config.residual_threshold) & (points[:, 2] > 0)
-    fitting &= width <= config.std_threshold * stripe.cast_width(laser, config)
-    if config.depth_threshold is not None:
-        fitting &= np.linalg.norm(points - truth, axis=1) <= config.depth_threshold
-    faint = np.isnan(peaks.peak) & (values.max(axis=1, initial=0) < config.peak_threshold)
-    verdict = np.full(len(index), Verdict.ACCEPTED, np.int8)
-    verdict[~fitting] = Verdict.POOR_FIT
-    verdict[faint | (peaks.peak < config.peak_threshold)] = Verdict.DARK
-    verdict[~fitting & ((values >= 1).sum(axis=1) >= SATURATED_SAMPLES)] = Verdict.SATURATED
-    verdict[(truth[:, 2] < config.min_range - 1e-6) | (truth[:, 2] > config.max_range + 1e-6)] = (
-        Verdict.OUT_OF_RANGE
+    """Largest accepted width of the peak of each row, radians, (n,)."""
+    if config.fit == "reference":
+        return np.full(len(point), config.std_threshold * config.wedge / 2)
+    laser = stripe.LaserCoordinates(
+        lit.laser.angle[point], lit.laser.axis_distance[point], lit.laser.distance[point]
     )
-    return ViewMeasurement(index, points, peaks.peak, angle, width, verdict)
+    spread = blur_width(hits.points[lit.hit[point]], hits.normals[lit.hit[point]], config)
+    return config.std_threshold * np.hypot(stripe.cast_width(laser, config), spread)
 
 
-def verdicts(hits: Hits, measured: ViewMeasurement, config: ScannerConfig) -> NDArray[np.int8]:
-    """Verdict on every hit of a view, (n,).
+def blur_width(
+    points: NDArray[np.float64], normals: NDArray[np.float64], config: ScannerConfig
+) -> NDArray[np.float64]:
+    """Width that blur over pixels alone gives the peak over time, radians, (n,).
+
+    A surface point moves by dp where its pixel moves by one, and the sheet angle that meets it by
+    ``dphi = (z dx - (x - b) dz) / rho^2``; a blur of standard deviation sigma pixels then has the width
+    ``s = sqrt 2 sigma |grad phi|``.
 
     Parameters
     ----------
-    hits
-    measured
-        Of these hits.
+    points, normals : (n, 3)
+        In camera coordinates, mm.
     config
     """
-    toward = np.array([config.baseline, 0, 0]) - hits.points
-    cosine = np.einsum("nd,nd->n", hits.normals, toward) / np.linalg.norm(toward, axis=1)
-    out = np.where(cosine > 0, Verdict.SHADOW, Verdict.GRAZING).astype(np.int8)
-    out[measured.index] = measured.verdict
-    grazing = (out == Verdict.DARK) & (cosine < config.peak_threshold)
-    out[grazing] = Verdict.GRAZING
-    return out
+    if config.smoothing == 0:
+        return np.zeros(len(points))
+    x, z = points[:, 0] - config.baseline, points[:, 2]
+    rays = points / z[:, None]
+    facing = np.einsum("nd,nd->n", normals, rays)
+    facing = np.minimum(
+        facing, -0.1 * np.linalg.norm(rays, axis=1)
+    )  # silhouettes: no steeper than 84 degrees
+    square = np.zeros(len(points))
+    for axis in (0, 1):
+        shift = np.eye(3)[axis] / config.focal
+        moved = z[:, None] * (shift - rays * (normals[:, axis] / config.focal / facing)[:, None])
+        square += ((z * moved[:, 0] - x * moved[:, 2]) / (x**2 + z**2)) ** 2
+    return np.sqrt(2 * square) * config.smoothing

@@ -51,7 +51,7 @@ def wedge(
 ) -> NDArray[np.float64]:
     r"""Relative radiance of the reference's stripe.
 
-    ``L = exp(-2 (rho sin(theta - phi))^2 / (r tan(F/2) / sqrt 2)^2)`` within the wedge, 0 outside [BLN*11].
+    ``L = exp(-2 (rho sin(theta - phi))^2 / (r tan(F/2) / 2)^2)`` within the wedge, 0 outside [BLN*11].
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def wedge(
         In [0, 1].
     """
     inside = np.abs(offset) <= angle / 2
-    return np.where(inside, np.exp(-4 * (ratio * np.sin(offset) / math.tan(angle / 2)) ** 2), 0.0)
+    return np.where(inside, np.exp(-8 * (ratio * np.sin(offset) / math.tan(angle / 2)) ** 2), 0.0)
 
 
 def gaussian(
@@ -128,9 +128,12 @@ def half_angle(laser: LaserCoordinates, config: ScannerConfig) -> NDArray[np.flo
 
 
 def cast_width(laser: LaserCoordinates, config: ScannerConfig) -> NDArray[np.float64]:
-    """Width s of the peak ``exp(-(theta - phi)^2 / s^2)`` that the sheet casts, radians, (n,)."""
+    """Width s of the peak ``exp(-(theta - phi)^2 / s^2)`` that the sheet casts, radians, (n,).
+
+    For the wedge in the horizontal plane of the laser ``s / F = 1 / sqrt 32 = .1768``.
+    """
     if config.beam == "wedge":
-        return math.tan(config.wedge / 2) / 2 * laser.distance / laser.axis_distance
+        return math.tan(config.wedge / 2) / math.sqrt(8) * laser.distance / laser.axis_distance
     return beam_radius(laser.distance, config) / (math.sqrt(2) * laser.axis_distance)
 
 

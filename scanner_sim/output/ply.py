@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from datasets_gen.records import atomic_path
 
-_TYPES = {"<f8": "double", "<f4": "float", "<i4": "int"}
+_TYPES = {"<f8": "double", "<f4": "float", "<i4": "int", "|u1": "uchar"}
 
 
 def write_points(
@@ -22,7 +22,8 @@ def write_points(
     path
         Conventionally ``.ply``.
     properties
-        One array (n,) per property, in order: float64 is written as double, float32 as float, int32 as int.
+        One array (n,) per property, in order: float64 is written as double, float32 as float, int32 as
+        int, uint8 as uchar.
     comments
         Lines of the header; characters beyond ASCII are replaced.
 

@@ -5,15 +5,16 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from datasets_gen.meshes.colours import Texture
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 from scanner_sim.scanner_config import ScannerConfig
+from scanner_sim.tracing import albedo
 
-Attributes = Mapping[str, NDArray[np.floating]]
-"""Values per vertex, ``vertex_*`` (v,) or (v, k), or face, ``face_*`` (f,) or (f, k); ``vertex_uv`` (v, 2).
-"""
+Attributes = Mapping[str, Any]
+"""Values per vertex, ``vertex_*`` (v,) or (v, k), or face, ``face_*`` (f,) or (f, k); ``vertex_uv`` (v, 2);
+``texture``, a `Texture`."""
 
 
 def _gray(value: float) -> dict[str, Any]:
@@ -33,10 +34,12 @@ MATERIALS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
             "reflectance": {"type": "mesh_attribute", "name": "vertex_albedo"},
         },
         "face_albedo": {"type": "diffuse", "reflectance": {"type": "mesh_attribute", "name": "face_albedo"}},
+        albedo.COLOURS: {"type": "diffuse", "reflectance": _gray(1.0)},
     }
 )
 """Materials by name: three diffuse ones, rough plastic, rough aluminium, a diffuse base under a smooth
-dielectric coat, and diffuse ones whose albedo is an attribute given per vertex or per face."""
+dielectric coat, diffuse ones whose albedo is an attribute given per vertex or per face, and a diffuse one
+with the colours of the mesh: white here, `albedo` is multiplied with what returns."""
 
 
 def bsdf(mi: Any, config: ScannerConfig, attributes: Attributes) -> Any:
@@ -49,6 +52,10 @@ def bsdf(mi: Any, config: ScannerConfig, attributes: Attributes) -> Any:
         mirror, so that nothing returns.
     """
     material = config.material
+    if material == albedo.COLOURS and config.bounces > 1:
+        raise InputError(
+            f"material {material!r} needs bounces = 1, got {config.bounces}; 'vertex_albedo' bounces"
+        )
     if isinstance(material, str):
         if material not in MATERIALS:
             raise InputError(
@@ -90,9 +97,13 @@ def check_attributes(shape: Shape, attributes: Attributes) -> None:
     """Raise InputError for attributes that do not fit the mesh."""
     sizes = {"vertex": len(shape.vertices), "face": len(shape.faces)}
     for name, values in attributes.items():
+        if name == "texture":
+            if not isinstance(values, Texture):
+                raise InputError(f"attribute 'texture' must be a Texture, got {type(values).__name__!r}")
+            continue
         kind, _, rest = name.partition("_")
         if kind not in sizes or not rest:
-            raise InputError(f"attribute {name!r} must be named 'vertex_...' or 'face_...'")
+            raise InputError(f"attribute {name!r} must be named 'vertex_...', 'face_...' or 'texture'")
         array = np.asarray(values)
         if array.ndim not in (1, 2) or len(array) != sizes[kind] or not np.isfinite(array).all():
             raise InputError(

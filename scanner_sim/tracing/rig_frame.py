@@ -15,7 +15,7 @@ class RigFrame:
     Attributes
     ----------
     center : (3,) float64
-        Centre of the mesh's bounding box, in mesh units.
+        Centre of the surface's bounding box, in mesh units.
     scale : float
         Millimetres per mesh unit.
     diagonal : float
@@ -29,13 +29,23 @@ class RigFrame:
     @classmethod
     def of(cls, shape: Shape, object_size: float) -> "RigFrame":
         """Place the rig so that the largest side of the shape measures `object_size` mm."""
-        low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+        low, high = shape.bounds
         scale = object_size / float((high - low).max())
         return cls((low + high) / 2, scale, scale * float(np.linalg.norm(high - low)))
 
     def to_rig(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Mesh coordinates to mm."""
         return (points - self.center) * self.scale
+
+    def place(self, shape: Shape) -> NDArray[np.float64]:
+        """Vertices of a shape in the rig, (v, 3), mm.
+
+        Those that belong to no face with area, wherever they are, are put on one that does: nothing built
+        from the vertices, such as the part of the image that can show the object, then depends on them.
+        """
+        on_surface = shape.on_surface
+        vertices = np.where(on_surface[:, None], shape.vertices, shape.vertices[on_surface.argmax()])
+        return self.to_rig(vertices)
 
     def to_mesh(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Mm to mesh coordinates."""

@@ -4,19 +4,20 @@
 variant too. In one the mesh emits the number of each face as light; in the other a point light stands at
 the laser, so a pixel's radiance is BSDF times cosine over the squared distance, and 0 where the shadow ray
 is blocked. `Wavefront` serves the vectorised variants: arrays of rays through one kernel, compiled once.
+Both count a hit where the ray meets the front of a face, whatever its shading normals, and both tell on
+request (`facet_light`) what light returns if the normal is the face's.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.meshes.geometry import vertex_normals
-from datasets_gen.shape import Shape
+from datasets_gen.meshes.geometry import unit_vectors
 from scanner_sim.optics.camera import Window, camera_rays, undistorted
 from scanner_sim.scanner_config import ScannerConfig
-from scanner_sim.tracing.materials import Attributes
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ class WindowHits:
         Column and row in the whole image.
     face_ids : (n,) int32
     light : (n,) float64
-        BSDF times cosine times pi, divided by the squared distance to the laser if `falls_off`; 0 in shadow.
+        BSDF times cosine times pi, divided by the squared distance to the laser if `falls_off`; 0 in shadow
+        and where the shading normal faces away from camera or laser.
     falls_off : bool
     """
 
@@ -37,60 +39,6 @@ class WindowHits:
     face_ids: NDArray[np.int32]
     light: NDArray[np.float64]
     falls_off: bool
-
-
-def build_mesh(
-    mi: Any,
-    shape: Shape,
-    vertices: NDArray[np.float64],
-    shading: str,
-    surface: Any,
-    attributes: Attributes | None = None,
-) -> Any:
-    """Mitsuba's copy of a mesh.
-
-    Parameters
-    ----------
-    mi
-        Mitsuba with its variant set.
-    shape
-        Gives the faces, and the normals where shading is smooth.
-    vertices : (v, 3)
-        Positions in the rig, mm.
-    shading
-        ``"smooth"`` or ``"flat"``.
-    surface
-        A Mitsuba BSDF; None: the mesh emits face numbers, counted from 1, as light.
-    attributes
-        For textures of the surface.
-    """
-    extra = dict(attributes or {})
-    uv = extra.pop("vertex_uv", None)
-    properties = mi.Properties()
-    if surface is None:
-        number = {"type": "mesh_attribute", "name": "face_number"}
-        properties["emitter"] = mi.load_dict({"type": "area", "radiance": number})
-        extra = {"face_number": np.arange(1.0, len(shape.faces) + 1)}
-    else:
-        properties["bsdf"] = surface
-    smooth = shading == "smooth" and surface is not None
-    properties["face_normals"] = not smooth
-    size = len(vertices), len(shape.faces)
-    options = {"has_vertex_normals": smooth, "has_vertex_texcoords": uv is not None}
-    mesh = mi.Mesh("object", *size, props=properties, **options)
-    for name, values in extra.items():
-        array = np.asarray(values, np.float32)
-        mesh.add_attribute(name, array.size // len(array), array.ravel())
-    parameters = mi.traverse(mesh)
-    parameters["vertex_positions"] = vertices.astype(np.float32).ravel()
-    parameters["faces"] = shape.faces.astype(np.uint32).ravel()
-    if smooth:
-        normals = vertex_normals(shape.vertices, shape.faces)
-        parameters["vertex_normals"] = normals.astype(np.float32).ravel()
-    if uv is not None:
-        parameters["vertex_texcoords"] = np.asarray(uv, np.float32).ravel()
-    parameters.update()
-    return mesh
 
 
 def build_scene(mi: Any, mesh: Any, emitter: dict[str, Any] | None = None) -> Any:
@@ -180,20 +128,60 @@ class Renderer:
         column, row = np.meshgrid(np.arange(window[2]) + window[0], np.arange(window[3]) + window[1])
         pixels = np.stack([column.ravel(), row.ravel()], axis=1).astype(np.int32)
         toward = camera_rays(pixels, self.config) @ pose[:3, :3].T
-        toward /= np.linalg.norm(toward, axis=1, keepdims=True)
-        eye, place, context = mi.Point3f(pose[:3, 3].tolist()), mi.Point3f(laser.tolist()), mi.BSDFContext()
         faces, light = np.zeros(len(pixels), np.int32), np.zeros(len(pixels))
-        for k, direction in enumerate(toward.tolist()):
-            hit = self.scene.ray_intersect(mi.Ray3f(eye, mi.Vector3f(direction)))
-            if not hit.is_valid() or hit.wi.z <= 0:
-                continue
+        for k, hit in self._hits(mi, pose[:3, 3], toward):
             faces[k] = hit.prim_index + 1
-            if not self.scene.ray_test(hit.spawn_ray_to(place)):
-                away = place - hit.p
-                wanted = hit.to_local(away / float(np.linalg.norm(np.array(away))))
-                light[k] = np.pi * hit.bsdf().eval(context, hit, wanted)[0]
+            light[k] = self._returned(mi, hit, laser)
         kept = np.flatnonzero(faces)
         return WindowHits(pixels[kept], faces[kept] - 1, light[kept], falls_off=False)
+
+    def _hits(
+        self, mi: Any, eye: NDArray[np.float64], toward: NDArray[np.float64]
+    ) -> Iterator[tuple[int, Any]]:
+        """Number of each ray that meets the front of a face, and where."""
+        origin = mi.Point3f(eye.tolist())
+        for k, direction in enumerate(unit_vectors(toward).tolist()):
+            ray = mi.Ray3f(origin, mi.Vector3f(direction))
+            hit = self.scene.ray_intersect(ray)
+            if hit.is_valid() and np.dot(hit.n, ray.d) < 0:
+                yield k, hit
+
+    def _returned(self, mi: Any, hit: Any, laser: NDArray[np.float64]) -> float:
+        """BSDF times cosine times pi at a hit; 0 in shadow."""
+        place = mi.Point3f(laser.tolist())
+        if self.scene.ray_test(hit.spawn_ray_to(place)):
+            return 0.0
+        away = place - hit.p
+        wanted = hit.to_local(away / float(np.linalg.norm(np.array(away))))
+        return float(np.pi * hit.bsdf().eval(mi.BSDFContext(), hit, wanted)[0])
+
+    def facet_light(
+        self, mi: Any, eye: NDArray[np.float64], toward: NDArray[np.float64], laser: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Light that returns along rays if the surface reflects with the normals of its faces.
+
+        Parameters
+        ----------
+        mi
+            Mitsuba with its variant set.
+        eye, laser : (3,)
+            In the rig.
+        toward : (n, 3)
+            Directions of the rays.
+
+        Returns
+        -------
+        (n,) float64
+            BSDF times cosine times pi; 0 in shadow.
+        """
+        light = np.zeros(len(toward))
+        for k, hit in self._hits(mi, eye, toward):
+            back = mi.Vector3f(unit_vectors(-toward[k]).tolist())
+            hit.sh_frame.n = hit.n
+            hit.initialize_sh_frame()
+            hit.wi = hit.to_local(back)
+            light[k] = self._returned(mi, hit, laser)
+        return light
 
 
 class Wavefront:
@@ -228,11 +216,8 @@ class Wavefront:
         toward = mi.Vector3f(*(m[4 * k] * x + m[4 * k + 1] * y + m[4 * k + 2] for k in range(3)))
         ray = mi.Ray3f(mi.Point3f(m[3], m[7], m[11]), dr.normalize(toward))
         hit = self.scene.ray_intersect(ray)
-        found = hit.is_valid() & (hit.wi.z > 0)
-        wanted = hit.to_local(dr.normalize(place - hit.p))
-        free = found & ~self.scene.ray_test(hit.spawn_ray_to(place), found)
-        returned = hit.bsdf(ray).eval(mi.BSDFContext(), hit, wanted, free)[0]
-        light = dr.select(free, returned * dr.pi, 0)
+        found = hit.is_valid() & (dr.dot(hit.n, ray.d) < 0)
+        light = self._returned(mi, ray, hit, place, found)
         number = dr.select(found, hit.prim_index + 1, 0)
         dr.eval(light, number)
         faces = np.array(number).astype(np.int32)
@@ -240,3 +225,31 @@ class Wavefront:
         pixels = np.stack([kept % window[2] + window[0], kept // window[2] + window[1]], axis=1)
         received = np.array(light)[kept].astype(np.float64)
         return WindowHits(pixels.astype(np.int32), faces[kept] - 1, received, falls_off=False)
+
+    def _returned(self, mi: Any, ray: Any, hit: Any, place: Any, found: Any) -> Any:
+        """BSDF times cosine times pi at hits of rays, with the laser at a place; 0 in shadow."""
+        import drjit as dr
+
+        wanted = hit.to_local(dr.normalize(place - hit.p))
+        free = found & ~self.scene.ray_test(hit.spawn_ray_to(place), found)
+        returned = hit.bsdf(ray).eval(mi.BSDFContext(), hit, wanted, free)[0]
+        return dr.select(free, returned * dr.pi, 0)
+
+    def facet_light(
+        self, mi: Any, eye: NDArray[np.float64], toward: NDArray[np.float64], laser: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """As `Renderer.facet_light`."""
+        if len(toward) == 0:  # arrays of no rays abort Dr.Jit
+            return np.zeros(0)
+        import drjit as dr
+
+        def opaque(place: NDArray[np.float64]) -> Any:
+            return mi.Point3f(*(dr.opaque(mi.Float, float(x)) for x in place))
+
+        ray = mi.Ray3f(opaque(eye), mi.Vector3f(unit_vectors(toward).T.astype(np.float32)))
+        hit = self.scene.ray_intersect(ray)
+        hit.sh_frame.n = hit.n
+        hit.initialize_sh_frame()
+        hit.wi = hit.to_local(-ray.d)
+        light = self._returned(mi, ray, hit, opaque(laser), hit.is_valid() & (hit.wi.z > 0))
+        return np.array(light).astype(np.float64)

@@ -9,8 +9,10 @@ from datasets_gen.checks import (
     admitted,
     edge_face_counts,
     face_components,
+    looks_inward,
     oriented,
     repaired,
+    scannable,
     signed_volume,
     winding_conflicts,
 )
@@ -186,3 +188,44 @@ def test_counts_on_known_meshes():
     assert len(edge_face_counts(box().faces)) == 18
     assert len(np.unique(face_components(two_spheres().faces))) == 2
     assert signed_volume(box().vertices + 7, box().faces) == pytest.approx(1)
+
+
+def test_closed_bodies_look_inward_or_not_and_reliefs_never_do():
+    """Half a sphere's normals sum to half its area; the faces of a sheet to all of theirs."""
+    ball = sphere(3)
+    inside_out = ball.faces[:, ::-1]
+    assert not looks_inward(ball.vertices, ball.faces)
+    assert looks_inward(ball.vertices, inside_out)
+    assert looks_inward(ball.vertices, inside_out[3:])  # a hole of three faces
+    bowl = inside_out[ball.vertices[ball.faces].mean(axis=1)[:, 2] < 0]
+    assert signed_volume(ball.vertices, bowl) < 0
+    assert not looks_inward(ball.vertices, bowl)
+    assert np.array_equal(oriented(bowl, ball.vertices, "bowl"), bowl)
+
+
+@pytest.mark.parametrize("mesh", [two_spheres(), with_face(0, 0, 1), with_face(0, 1, 2), sphere(2)])
+def test_meshes_with_a_surface_can_be_scanned_as_they_are(mesh):
+    assert scannable(mesh) is mesh
+
+
+def test_meshes_to_scan_are_wound_as_others_are(caplog):
+    mesh = sphere(1)
+    turned = shape(mesh.vertices, mesh.faces[:, ::-1])
+    with caplog.at_level(logging.WARNING):
+        assert np.array_equal(scannable(turned).faces, admitted([turned])[0].faces)
+    assert "looked inward" in caplog.text
+
+
+def test_meshes_without_a_surface_cannot_be_scanned():
+    with pytest.raises(InputError, match="NaN"):
+        scannable(with_coordinate(np.nan))
+    with pytest.raises(InputError, match="vertex 99"):
+        scannable(with_face(0, 1, 99))
+    with pytest.raises(InputError, match="degenerate"):
+        scannable(shape(np.eye(3), [[0, 0, 1]]))
+    with pytest.raises(InputError, match="no faces"):
+        scannable(shape(np.eye(3), np.empty((0, 3))))
+
+
+def test_repair_keeps_the_largest_part_to_scan():
+    assert len(scannable(two_spheres(), repair=True).vertices) == len(sphere(2).vertices)

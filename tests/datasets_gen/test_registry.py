@@ -67,12 +67,22 @@ def test_unknown_names_get_the_nearest(name, hint):
         ({"seed": True}, "seed of 'human' is True"),
         ({"poses": ["fly"]}, "no pose 'fly'"),
         ({"poses": "walk"}, "give a list"),
+        ({"poses": 3}, "give a list"),
+        ({"poses": [3]}, "no pose 3"),
+        ({"poses": [["walk"]]}, "no pose"),
     ],
 )
 def test_wrong_options_are_told_before_anything_is_built(options, reason, built):
     with pytest.raises(InputError, match=reason):
         load("human", **options)
     assert built == []
+
+
+@pytest.mark.parametrize("name", [None, 3, [], b"human"])
+def test_names_are_texts_or_paths(name):
+    for function in (load, outline):
+        with pytest.raises(InputError, match="is no data set; give the path of a folder, or one of human"):
+            function(name)
 
 
 def test_built_once_and_then_read(built):

@@ -27,3 +27,15 @@ def test_saved_shapes_are_read_back(tmp_path):
     found = Shape.load(tmp_path / "mesh.npz")
     assert np.array_equal(found.vertices, mesh.vertices)
     assert (found.name, found.subject, found.pose, found.units) == ("sphere", "sphere", "rest", "unknown")
+
+
+def test_bounds_are_those_of_the_surface():
+    """A unit cube about the origin; a stray vertex and one of a face without area lie far off."""
+    plain = box()
+    vertices = np.vstack([plain.vertices, [[9, 9, 9], [np.nan] * 3, [-7, 0, 0]]])
+    given = Shape(vertices, np.vstack([plain.faces, [[0, 0, 10]]]).astype(np.int32), "box", "box", "rest")
+    for mesh in (plain, given):
+        assert mesh.bounds == pytest.approx(np.array([[-0.5] * 3, [0.5] * 3]))
+        assert mesh.diagonal == pytest.approx(3**0.5)
+    assert given.on_surface.tolist() == [True] * 8 + [False] * 3
+    assert (Shape(vertices, given.faces[12:], "none", "none", "rest").bounds == 0).all()

@@ -1,14 +1,24 @@
 """Each departure from the paper, switched off, gives the equation as written (`medial.paper`)."""
 
+import pickle
 from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 
 from datasets_gen.records import InputError
-from medial import Departures, Diffusion, density_weights, surface_areas
+from medial import (
+    Departures,
+    Diffusion,
+    MatchConfig,
+    density_weights,
+    intrinsic_symmetry,
+    match,
+    surface_areas,
+)
 from medial.areas.equations import average_distance, dual_area, medial_neighbourhood
 from medial.laplacian.equations import combined_weights, gaussian, point_cloud_laplacian
+from medial.matching.prepared import prepare_pair
 from medial.operator import SIZE_RULES, Operator, build_operator, medial_weights
 from medial.paper import medial_diffusion
 from medial.similarity.candidate_ball import smallest_width
@@ -154,3 +164,52 @@ def test_values():
     assert not Departures.of({"radius_cap": False}).radius_cap
     with pytest.raises(InputError, match="unknown departure 'cap'"):
         Departures.of({"cap": False})
+
+
+@pytest.fixture(scope="module")
+def written(figure):
+    return Diffusion.from_points(*figure, modes=40, departures="none")
+
+
+def test_matching_and_symmetry_follow_the_operator(figure, written):
+    """Sec. 4 in the clouds' own units (Eqs. 16-17), and Sec. 5.2: a cloud is matched to itself."""
+    found = match(written, written, seed=1)
+    assert found.config == MatchConfig.paper(NONE)
+    assert np.array_equal(
+        prepare_pair(written, written, None, 1).source.descriptors.psi,
+        written.eigenfunctions.astype(np.float32),
+    )
+    assert np.array_equal(intrinsic_symmetry(written, seed=1).source_to_target, found.source_to_target)
+    assert match(written, written, "default").config == MatchConfig(departures=NONE)
+    ours = Diffusion.from_points(*figure, modes=40)
+    assert prepare_pair(ours, ours, "paper", 1).config == MatchConfig.paper(Departures())
+    with pytest.raises(InputError, match="different departures"):
+        match(written, ours)
+
+
+def test_settings_of_the_matcher_take_words_and_refuse_others_at_once():
+    assert MatchConfig(departures="none").departures == NONE
+    assert MatchConfig.of(None, only("radius_cap")) == MatchConfig(departures=only("radius_cap"))
+    with pytest.raises(InputError, match="departures is 'some'"):
+        MatchConfig(departures="some")
+    with pytest.raises(InputError, match="match config is 'papr'; give 'default', 'paper'"):
+        MatchConfig.of("papr", NONE)
+
+
+def test_unknown_departures_are_named():
+    for make in (lambda: Departures(radius=False), lambda: Departures().as_written("radius")):
+        with pytest.raises(InputError, match="unknown departure 'radius'; known are density_weights"):
+            make()
+    with pytest.raises(InputError, match="departure radius_cap must be true or false, got 'false'"):
+        Departures(radius_cap="false")
+    assert pickle.loads(pickle.dumps(NONE)) == NONE
+
+
+def test_a_flat_cloud_has_no_medial_points_and_takes_its_surface_cells():
+    """No ball touches a plane twice."""
+    points = np.column_stack([np.random.default_rng(0).random((60, 2)), np.zeros(60)])
+    normals = np.tile([0.0, 0.0, 1.0], (60, 1))
+    flat = medial_diffusion(points, normals)
+    assert np.isnan(flat.centers).all()
+    assert flat.areas == pytest.approx(surface_areas(points, normals))
+    assert np.isnan(dual_area(3, np.array([1, 2]), points, points[3], 1.0))

@@ -104,19 +104,45 @@ def test_objects_outside_the_range_are_refused(capsule):
         scan(capsule, ScannerConfig(**SMALL, distance=500.0))
 
 
-def test_a_view_that_sees_nothing_is_refused():
+def test_a_view_that_sees_nothing_is_logged_and_the_scan_goes_on(caplog):
     sheet = Shape(
         np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float),
         np.array([[0, 1, 2], [0, 2, 3]], np.int32),
         "a/sheet", "a", "sheet",
     )  # fmt: skip
-    assert len(scan(sheet, ScannerConfig(views=((0, 0, 1),), resolution=(60, 60)))) > 100
-    with pytest.raises(InputError, match=r"view 1 .* sees nothing"):
-        scan(sheet, ScannerConfig(views=((0, 0, 1), (0, 0, -1)), resolution=(60, 60)))
+    front = scan(sheet, ScannerConfig(views=((0, 0, 1),), resolution=(60, 60)))
+    with caplog.at_level(logging.WARNING):
+        both = scan(sheet, ScannerConfig(views=((0, 0, -1), (0, 0, 1)), resolution=(60, 60)))
+    assert "1 of 2 views see nothing of it: [0]" in caplog.text
+    assert set(both.view_ids) == {1}
+    assert np.array_equal(both.pixels, front.pixels)
+    with pytest.raises(InputError, match=r"none of 1 view sees .* backs of its faces"):
+        scan(sheet, ScannerConfig(views=((0, 0, -1),), resolution=(60, 60)))
 
 
-def test_a_threshold_that_leaves_nothing_is_refused(capsule):
-    with pytest.raises(InputError, match="no point"):
+@pytest.mark.parametrize(
+    ("settings", "reason"),
+    [
+        ({"peak_threshold": 1.0}, "too obliquely for peak_threshold 1; lower peak_threshold"),
+        ({"material": "black", "peak_threshold": 0.3}, "too little light .* raise exposure"),
+        ({"exposure": 200.0}, "saturate the sensor; lower exposure"),
+        ({"depth_threshold": 1e-9}, "no clean peak"),
+        ({"distance": 500.0}, "outside the swept 70..300 mm; change distance"),
+    ],
+)
+def test_what_acquires_nothing_says_why(plate, settings, reason):
+    """A plate seen face on: the cosine to the laser is .55 and more everywhere, and nothing is hidden."""
+    face_on = {"views": ((0, 0, 1),), "resolution": (60, 60), "shading": "flat"}
+    with pytest.raises(InputError, match=reason) as caught:
+        scan(plate, ScannerConfig(**face_on, **settings))
+    hits, total = re.search(r"([\d,]+) of ([\d,]+) hits", str(caught.value)).groups()
+    assert hits == total
+    assert "\n" not in str(caught.value)
+
+
+def test_the_reason_for_nothing_is_the_leading_one(capsule):
+    """Of a black capsule at .9, most of what the camera sees is too oblique even if it were white."""
+    with pytest.raises(InputError, match=r"too obliquely .* \(also [\d,]+ dark\)"):
         scan(capsule, ScannerConfig(**SMALL, material="black", peak_threshold=0.9))
 
 
@@ -150,6 +176,10 @@ def test_strange_units_are_scanned_alike_and_warned_of_once(capsule, caplog, sca
         found = scan(strange, config)
         scan(strange, config)
     assert caplog.text.count("the rig is scaled") == 1
+    nameless = replace(strange, subject=f"nameless{scale}", units="unknown")
+    with caplog.at_level(logging.WARNING):
+        scan(nameless, config)
+    assert f"measures {75 * scale:.3g} in unknown units" in caplog.text
     plain = scan(capsule, config)
     assert abs(len(found) - len(plain)) <= 3
     assert np.sqrt(((found.points - found.true_points) ** 2).sum(axis=1).mean()) * found.scale < 0.02

@@ -58,7 +58,10 @@ def test_lit_pixels_on_a_sphere(fine_sphere, threshold):
         return square > 0, np.where(square > 0, cosine, -1), np.abs(square) > 10
 
     check_lit_set(
-        fine_sphere, ScannerConfig(views=3, resolution=(80, 80), peak_threshold=threshold), hit, view=1
+        fine_sphere,
+        ScannerConfig(views=3, resolution=(80, 80), peak_threshold=threshold, fit="least_squares"),
+        hit,
+        view=1,
     )
 
 
@@ -72,7 +75,13 @@ def test_lit_pixels_on_a_plane(plate):
         cosine = toward[:, 2] / np.linalg.norm(toward, axis=1)
         return inside < 37.5, cosine, (inside < 36.5) | (inside > 46)
 
-    config = ScannerConfig(views=((0.5, 0.3, 1.0),), resolution=(80, 80), shading="flat", peak_threshold=0.65)
+    config = ScannerConfig(
+        views=((0.5, 0.3, 1.0),),
+        resolution=(80, 80),
+        shading="flat",
+        peak_threshold=0.65,
+        fit="least_squares",
+    )
     check_lit_set(plate, config, hit)
 
 
@@ -90,7 +99,9 @@ def test_lit_pixels_on_a_cylinder(cylinder):
         outer = (square < -0.02 * a * 400) | (np.abs(points[:, 1]) > 38)
         return seen, np.where(square > 0, cosine, -1), inner | outer
 
-    config = ScannerConfig(views="ring:3", resolution=(80, 80), shading="flat", peak_threshold=0.4)
+    config = ScannerConfig(
+        views="ring:3", resolution=(80, 80), shading="flat", peak_threshold=0.4, fit="least_squares"
+    )
     check_lit_set(cylinder, config, hit, view=1)
 
 
@@ -141,7 +152,7 @@ def test_traced_faces_cosines_and_shadows_equal_a_plain_ray_tracer(torus, each_v
     assert shadowed > 20
 
 
-@pytest.mark.parametrize("fit", ["iterative", "closed"])
+@pytest.mark.parametrize("fit", ["least_squares", "gaussian"])
 def test_residual_and_normals_on_a_fine_sphere_beat_the_reference(fine_sphere, fit):
     """Reference: residual 0.0023 mm RMS, normals off by 0.27 degrees on average."""
     found = scan(fine_sphere, ScannerConfig(views=3, fit=fit, normals="pca"))
@@ -169,7 +180,7 @@ def test_residual_shrinks_with_the_peak(fine_sphere):
 
 
 def test_without_quantisation_and_noise_points_are_exact(sphere):
-    found = scan(sphere, ScannerConfig(views=2, resolution=(100, 100), bits=0))
+    found = scan(sphere, ScannerConfig(views=2, resolution=(100, 100), bits=0, fit="least_squares"))
     assert np.abs(found.points - found.true_points).max() < 2e-4
 
 

@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 from datasets_gen import Collection, Shape
 from datasets_gen.meshes.geometry import face_normals
 from evaluation.metrics.correspondence import (
-    CONFIDENT,
     SurfacePoints,
     area_under_curve,
     correspondence_error,
@@ -23,6 +22,7 @@ from evaluation.metrics.diffusion_error import diffusion_error
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.mirror_images import mirror_points
 from evaluation.running.stages.interface import Inputs, Output
+from medial.matching.result import CONFIDENT
 from scanner_sim import Scan
 
 OVERLAP_SPACINGS = 2.0
@@ -37,8 +37,8 @@ def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
 def score_operator(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     """Eq. 18 of the operator of a cloud.
 
-    ``spec``: ``pairs``, ``times``, ``seed``. Inputs: ``shape``, ``scan``, ``operator``,
-    ``reference_operator``.
+    ``spec``: ``pairs``, ``times``, ``seed``, ``scale`` (of the cloud). Inputs: ``shape``, ``scan``,
+    ``operator``, ``reference_operator``.
     """
     scan, reference = inputs.load("scan"), inputs.load("shape").reference
     found = diffusion_error(
@@ -50,6 +50,7 @@ def score_operator(spec: Mapping[str, Any], inputs: Inputs) -> Output:
         pairs=spec["pairs"],
         times=spec["times"],
         seed=spec["seed"],
+        scale=spec["scale"],
     )
     row = {"eq18": found.eq18, "eq18_trace": found.eq18_trace, "eq18_relative": found.eq18_relative}
     row |= {"n_points": len(scan), "source_missing": inputs.note("scan")["missing"]}

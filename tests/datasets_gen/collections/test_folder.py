@@ -87,6 +87,8 @@ def test_poses_are_selected_and_the_reference_stays(folder):
         ({"poses": "rest"}, "give a list"),
         ({"poses": []}, "give a list"),
         ({"seed": 3}, "no option 'seed'"),
+        ({"repair": "false"}, "option repair must be true or false, got 'false'"),
+        ({"units": 3}, "option units must be text or None, got 3"),
     ],
 )
 def test_wrong_options(folder, options, reason):
@@ -206,3 +208,24 @@ def test_writing_where_no_folder_can_be(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         write_collection(collection(), tmp_path / "file")
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_disk_that_fills_up_leaves_no_part_of_a_data_set(there, tmp_path, monkeypatch):
+    from datasets_gen.collections import folder as module
+
+    def write(shape, path):
+        if shape.pose != "rest":
+            raise InputError(f"cannot write {str(path)!r}: No space left on device")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("")
+
+    monkeypatch.setattr(module, "write_mesh", write)
+    target = tmp_path / "new"
+    if there:
+        target.mkdir()
+        (target / "mine.txt").write_text("")
+    with pytest.raises(InputError, match="No space left"):
+        write_collection(collection(), target)
+    assert target.exists() == there
+    assert not there or (target / "mine.txt").exists()

@@ -50,7 +50,7 @@ def test_arrays_are_copied_and_inward_faces_turned():
         ((MESH.vertices, np.zeros((4, 4), int)), "cut polygons into triangles"),
         ((MESH.vertices, MESH.faces + len(MESH.vertices)), "faces name vertex"),
         ((MESH.vertices, [["a", "b", "c"]]), "whole numbers"),
-        (([["a", "b", "c"]], MESH.faces), "arrays of numbers"),
+        (([["a", "b", "c"]], MESH.faces), "array of numbers"),
         ((MESH.vertices, []), "no faces"),
         ((MESH.vertices * np.nan, MESH.faces), "NaN or infinite"),
         ("nowhere.ply", "does not exist"),

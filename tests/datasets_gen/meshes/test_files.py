@@ -159,3 +159,13 @@ def test_writing_into_a_file_as_if_it_were_a_folder(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         write_mesh(MESH, tmp_path / "file" / "mesh.ply")
+
+
+def test_obj_faces_that_count_backwards_are_understood(tmp_path):
+    """As the format allows: -1 is the last vertex before the face."""
+    file = tmp_path / "backwards.obj"
+    file.write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf -3/-1 -1/-1 -2/-1\nv 0 0 1\n"
+        "f -4//-1 -3 -1\nf 1 -1 3\nf -3 -2 -1\n"
+    )
+    assert load_mesh(file).faces.tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]

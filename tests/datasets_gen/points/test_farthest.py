@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from datasets_gen.points.farthest import (
     farthest_from_mean,
@@ -96,3 +97,28 @@ def test_a_metric_of_few_points_gives_each_once():
 def test_points_without_a_path_are_farthest():
     table = np.array([[0, 1, np.inf], [1, 0, np.inf], [np.inf, np.inf, 0]])
     assert farthest_in_metric(table.__getitem__, 2, 0)[0].tolist() == [0, 2]
+
+
+@pytest.mark.parametrize(("factor", "offset"), [(1, 5e6), (1, -1e9), (1e-30, 0), (1e25, 0), (1e-3, 1e3)])
+def test_scans_are_sampled_alike_wherever_they_lie_and_in_any_unit(factor, offset):
+    """5,000 random points: single precision far from the origin knows a few places only."""
+    points = 2 * np.random.default_rng(0).random((5000, 3))
+    order = farthest_points(points * factor + offset, 500, 3)
+    assert len(np.unique(order)) == 500
+    gaps = [cKDTree(points[each]).query(points)[0].max() for each in (order, farthest_points(points, 500, 3))]
+    assert gaps[0] == pytest.approx(gaps[1], rel=0.02)
+
+
+def test_near_the_origin_points_are_taken_as_they_are(points):
+    import fpsample
+
+    order = fpsample.bucket_fps_kdline_sampling(points + 20, 60, h=7, start_idx=3)
+    assert farthest_points(points + 20, 60, 3).tolist() == order.tolist()
+
+
+def test_samples_of_coinciding_points_are_distinct(points):
+    assert sorted(farthest_points(np.zeros((9, 3)), 9, 4)) == list(range(9))
+    twice = np.repeat(points[:20], 2, axis=0)
+    order = farthest_points(twice, 30, 5)
+    assert len(np.unique(order)) == 30
+    assert len(np.unique(order[:20] // 2)) == 20  # every place before any twice

@@ -1,3 +1,5 @@
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -76,3 +78,45 @@ def test_views_with_few_points_borrow_from_the_others():
 def test_too_few_points_are_refused():
     with pytest.raises(InputError, match="too few"):
         normals.pca(np.zeros((5, 3)), 12)
+
+
+def test_signs_elected_on_a_tree_are_the_best_of_all():
+    rng = np.random.default_rng(6)
+    every = np.array(list(product([-1.0, 1.0], repeat=9)))
+    for stiffness in (0.1, 0.5, 2.0):
+        for _ in range(20):
+            parents = np.array([rng.integers(i) for i in range(1, 9)])
+            votes = rng.uniform(-1, 1, 9)
+
+            def gain(signs, parents=parents, votes=votes, stiffness=stiffness):
+                return signs @ votes / 2 - stiffness * (signs[..., 1:] != signs[..., parents]).sum(axis=-1)
+
+            found = normals._elected(parents, votes, stiffness)
+            assert gain(found) == pytest.approx(gain(every).max())
+
+
+def test_eyes_decide_the_side_of_what_has_no_inside():
+    """A sheet and a bowl seen from above: their volumes about the centroid say nothing or the opposite."""
+    rng = np.random.default_rng(7)
+    sheet = np.c_[rng.random((400, 2)), np.zeros(400)]
+    bowl = sheet + [5, 0, 0] + np.c_[np.zeros((400, 2)), ((sheet[:, :2] - 0.5) ** 2).sum(axis=1)]
+    points = np.concatenate([sheet, bowl])
+    eyes = np.broadcast_to([2.0, 0.0, 50.0], points.shape)
+    for sign in (1, -1):
+        found = normals.spanning_tree(points, sign * normals.pca(points), eyes=eyes)
+        assert (found[:, 2] > 0).all()
+
+
+def test_an_end_beyond_a_bad_bridge_is_turned_by_its_own_votes():
+    """Two spheres joined by a thread of points without sound normals."""
+    rng = np.random.default_rng(9)
+    ball = fibonacci_sphere(1500)
+    thread = np.linspace([1.02, 0, 0], [2.98, 0, 0], 60) + rng.normal(scale=0.01, size=(60, 3))
+    points = np.concatenate([ball, ball + np.array([4, 0, 0]), thread])
+    outward = np.concatenate([ball, ball, thread * [0, 1, 1]])
+    eyes = 20 * outward / np.linalg.norm(outward, axis=1, keepdims=True) + [2, 0, 0]
+    for seed in range(6):
+        guess = normals.pca(points) * np.random.default_rng(seed).choice([-1, 1], len(points))[:, None]
+        found = normals.spanning_tree(points, guess, eyes=eyes)
+        right = np.einsum("nd,nd->n", found, outward)[:3000] > 0
+        assert right.mean() > 0.999

@@ -1,8 +1,10 @@
+import shutil
 import tomllib
 
 import pytest
 
 from datasets_gen import InputError
+from datasets_gen.registry import outline
 from evaluation import preview
 from evaluation.experiment.config_sections import ScanCondition
 from evaluation.experiment.experiment import Experiment
@@ -79,7 +81,7 @@ def test_presets_name_methods_and_scanners_that_exist(name, tmp_path):
         ({"scan": {"tresholds": 0.1}}, r"\[scan\]: unknown key 'tresholds'; did you mean 'threshold'"),
         ({"scan": {"threshold": 0}}, r"threshold must lie in \(0, 1\], got 0"),
         ({"scan": {"threshold": 1.5}}, r"threshold must lie in \(0, 1\], got 1.5"),
-        ({"scan": {"points": 0}}, "points must be a positive number, got 0"),
+        ({"scan": {"points": 0}}, "points is 0; give a whole number of at least 1"),
         ({"scan": {"scanner": {"views": 3}}}, "views"),
         ({"matching": {"sweep": {"thresold": [1]}}}, "unknown key 'thresold'; did you mean 'threshold'"),
         ({"matching": {"sweep": {"threshold": 0.1}}}, "must be a list"),
@@ -90,8 +92,27 @@ def test_presets_name_methods_and_scanners_that_exist(name, tmp_path):
         ({"method": [{"label": "x"}]}, "needs a name"),
         ({"dataset": []}, "nothing to scan"),
         ({"dataset": {"name": "human"}}, "two brackets|must be|needs"),
-        ({"seeds": 3}, "list of integers"),
+        ({"seeds": 3}, "seeds must be a list, each a whole number, got 3"),
+        ({"seeds": [-1]}, "each of seeds is -1"),
+        ({"seeds": [0.5]}, "seeds must be a list, each a whole number"),
+        ({"stability": {"pairs": "x"}}, r"\[stability\]: pairs must be a whole number, got 'x'"),
+        ({"stability": {"pairs": 0}}, r"\[stability\]: pairs is 0"),
+        ({"stability": {"times": 2.5}}, "times must be a whole number"),
+        ({"stability": {"operators": "medial"}}, "operators must be a list, each text, got 'medial'"),
+        ({"matching": {"regime": [1]}}, r"\[matching\]: regime must be a list, got \[1\]"),
+        ({"matching": {"regime": [{"name": 3}]}}, "a regime needs a name"),
+        ({"matching": {"pairs": True}}, "pairs must be reference"),
+        ({"matching": {"sweep": {"threshold": ["a"]}}}, "threshold must be a finite number, got 'a'"),
+        ({"scan": {"threshold": "a"}}, r"\[scan\]: threshold must be a finite number, got 'a'"),
+        ({"scan": {"scanner": 3}}, "scanner must be a table, got 3"),
+        ({"operators": {"modes": "x"}}, r"\[operators\]: modes must be a whole number"),
+        ({"timeout": "x"}, "timeout must be a finite number, got 'x'"),
+        ({"timeout": float("inf")}, "timeout must be a finite number"),
+        ({"evaluated": 0}, "evaluated is 0"),
+        ({"name": 3}, "name must be text"),
         ({"timeout": 0}, "timeout must be positive"),
+        ({"departures": "some"}, "departures is 'some'; give 'all', 'none'"),
+        ({"departures": {"cap": False}}, "unknown departure 'cap'"),
         ({"stability": None, "matching": None}, "nothing to measure"),
     ],
 )
@@ -111,8 +132,20 @@ def test_what_cannot_be_used_is_named(changes, message):
         ({"operators": {"medial": {"eta": 2}}}, "eta"),
         ({"operators": {"medial": {"device": "gpu"}}}, "unknown device 'gpu'; choose one of cpu, cuda, llvm"),
         ({"method": [{"name": "medial", "settings": {"landmark": 3}}]}, "did you mean 'landmarks'"),
+        ({"method": [{"name": "heat", "settings": {"departures": "none"}}]}, "at the top of the experiment"),
         ({"method": [{"name": "medial", "config": "papr"}]}, "unknown config 'papr'; did you mean 'paper'"),
         ({"method": [{"name": "cpd", "bta": 1}]}, "unknown key 'bta'; did you mean 'beta'"),
+        ({"method": [{"name": "cpd", "beta": "x"}]}, "CoherentPointDrift: beta must be a finite number"),
+        (
+            {"method": [{"name": "medial", "settings": {"both_ways": "false"}}]},
+            "both_ways must be true or false",
+        ),
+        (
+            {"method": [{"name": "medial", "settings": {"candidates": "x"}}]},
+            "candidates must be a finite number",
+        ),
+        ({"operators": {"medial": {"sigma_e": "x"}}}, "sigma_e must be a finite number"),
+        ({"dataset": [{"name": "human", "options": {"sed": 1}}]}, "no option 'sed'"),
     ],
 )
 def test_what_is_passed_on_is_checked_before_anything_runs(changes, message, tmp_path):
@@ -160,3 +193,84 @@ def test_keys_depend_on_the_device_only_where_one_is_named(small):
     assert keys()
     assert not keys() & keys(heat={"device": "llvm"})
     assert not keys(heat={"device": "cuda"}) & keys(heat={"device": "llvm"})
+
+
+def test_departures_at_the_top_reach_every_operator_unless_its_section_says_otherwise(small):
+    def options(**changes):
+        experiment = small(**changes)
+        shapes = shape_tasks(experiment)
+        about = {"subject": "s", "poses": ["a", "b"], "reference": "a"}
+        tasks = make_plan(experiment, shapes, dict.fromkeys(shapes, about)).tasks.values()
+        return [task.spec["options"] for task in tasks if task.stage == "operator"]
+
+    assert all(each == {} for each in options())
+    assert all(each == {"departures": "none"} for each in options(departures="none"))
+    own = {"departures": {"radius_cap": False}}
+    assert own in options(departures="none", operators={"medial": own})
+    assert tomllib.loads(small(departures="none").to_toml())["departures"] == "none"
+
+
+def written(folder, blobs, method_file):
+    """An experiment whose data set, method and correspondences lie beside its file."""
+    for name in ("bodies", "found"):
+        shutil.copytree(blobs, folder / name)
+    (folder / "found" / "a--b.txt").write_text("0")
+    shutil.copy(method_file, folder / "mine.py")
+    (folder / "mine.toml").write_text(
+        '[[dataset]]\nname = "bodies"\n[matching]\n[[method]]\nname = "mine.py:Nearest"\n'
+        '[[method]]\nname = "external"\nfolder = "found"\n'
+    )
+    return Experiment.load(folder / "mine.toml")
+
+
+def test_paths_are_meant_from_the_file_and_its_results_go_on_anywhere(
+    tmp_path, blobs, method_file, monkeypatch
+):
+    experiment = written(tmp_path / "a", blobs, method_file)
+    (tmp_path / "b").mkdir()
+    monkeypatch.chdir(tmp_path / "b")
+    method, external = experiment.method
+    assert (method.name, method.label) == (f"{tmp_path / 'a' / 'mine.py'}:Nearest", "mine.py:Nearest")
+    assert external.options["folder"] == str(tmp_path / "a" / "found")
+    (tmp_path / "b" / "experiment.toml").write_text(experiment.to_toml())
+    assert Experiment.load("experiment.toml") == experiment
+    monkeypatch.chdir(tmp_path / "a")
+    assert Experiment.load("mine.toml") == experiment
+
+
+def test_paths_in_the_current_folder_are_found_too(tmp_path, blobs, method_file, monkeypatch):
+    experiment = written(tmp_path / "a", blobs, method_file)
+    (tmp_path / "b").mkdir()
+    shutil.move(tmp_path / "a" / "mine.toml", tmp_path / "b")
+    monkeypatch.chdir(tmp_path / "a")
+    assert Experiment.load(tmp_path / "b" / "mine.toml") == experiment
+
+
+def test_keys_do_not_depend_on_where_files_lie(tmp_path, blobs, method_file):
+    plans = []
+    for name in ("a", "b"):
+        experiment = written(tmp_path / name, blobs, method_file)
+        shapes = shape_tasks(experiment)
+        about = {"bodies": outline(tmp_path / name / "bodies")}
+        plans.append(make_plan(experiment, shapes, about))
+    assert plans[0].tasks.keys() == plans[1].tasks.keys()
+    methods = [task.spec["method"] for task in plans[0].tasks.values() if task.stage == "map"]
+    assert set(methods) == {f"{tmp_path / 'a' / 'mine.py'}:Nearest", "external"}
+    (tmp_path / "b" / "mine.py").write_text(method_file.read_text() + "\nx = 1\n")
+    (tmp_path / "b" / "found" / "a--b.txt").write_text("1")
+    experiment = Experiment.load(tmp_path / "b" / "mine.toml")
+    edited = make_plan(experiment, shape_tasks(experiment), {"bodies": outline(tmp_path / "b" / "bodies")})
+    kept = plans[0].tasks.keys() & edited.tasks.keys()
+    assert not any(plans[0].tasks[key].stage in ("map", "score") for key in kept)
+
+
+def test_scores_of_eq18_know_the_scale_of_their_cloud(tmp_path, blobs):
+    table = {
+        "name": "x",
+        "dataset": [{"name": str(blobs), "poses": 1}],
+        "stability": {"operators": ["heat"], "sweep": {"scale": [1.0, 1000.0]}},
+    }
+    experiment = Experiment.from_table(table)
+    plan = make_plan(experiment, shape_tasks(experiment), {"blob": outline(blobs)})
+    scans = {row.columns["regime"]: plan.tasks[row.score].spec["scale"] for row in plan.rows}
+    assert scans == {"reference": 1.0, "scale 1.0": 1.0, "scale 1000.0": 1000.0}

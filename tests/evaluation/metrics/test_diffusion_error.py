@@ -130,3 +130,27 @@ def test_operators_must_agree(rest):
     shape, _, _ = rest
     with pytest.raises(InputError, match="compare"):
         error(rest, *build(shape, 300, operator="medial"))
+
+
+@pytest.mark.parametrize("operator", ["heat", "medial"])
+@pytest.mark.parametrize("scale", [1000.0, 0.01])
+def test_a_cloud_in_other_units_has_the_same_error(operator, scale):
+    """Eq. 18 compares diffusions of one body: 1000 times its size is millimetres for metres."""
+    shape = blob()
+    rest = (shape, *build(shape, 500, operator=operator))
+    cloud, diffusion = build(shape, 400, 3, operator)
+    large = Diffusion.from_points(scale * cloud.points, cloud.normals, operator, modes=40)
+    right, found = error(rest, cloud, diffusion), error(rest, cloud, large, scale=scale)
+    for name in ("eq18", "eq18_trace", "eq18_relative"):
+        assert getattr(found, name) == pytest.approx(getattr(right, name), rel=1e-4)
+
+
+def test_settings_must_agree(rest):
+    shape, cloud, _ = rest
+    reference, other = (
+        Diffusion.from_points(cloud.points, cloud.normals, modes=20, eta=eta) for eta in (0.5, None)
+    )
+    with pytest.raises(InputError, match=r"cannot compare diffusions built with eta=0.5 and eta=None"):
+        error((shape, cloud, reference), cloud, other)
+    with pytest.raises(InputError, match="seed is -1"):
+        error((shape, cloud, reference), cloud, reference, seed=-1)

@@ -1,7 +1,12 @@
+import os
+import signal
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
-from evaluation.running.process import peak_memory, single_thread
+from evaluation.running.process import hold_interrupts, peak_memory, single_thread
 
 
 def test_peak_memory_of_a_block():
@@ -20,3 +25,22 @@ def test_one_thread_for_linear_algebra():
     np.ones((2, 2)) @ np.ones((2, 2))
     with single_thread():
         assert {info["num_threads"] for info in threadpool_info() if info["user_api"] == "blas"} <= {1}
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked here")
+def test_ctrl_c_waits_for_the_end_of_the_block_and_does_not_reach_its_children():
+    code = "import os, signal; os.kill(os.getpid(), signal.SIGINT); print('alive')"
+    said, before = [], signal.getsignal(signal.SIGINT)
+
+    def interrupted():
+        with hold_interrupts():
+            os.kill(os.getpid(), signal.SIGINT)
+            said.append(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout)
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert said == ["alive\n"]
+    assert signal.getsignal(signal.SIGINT) == before
+    with hold_interrupts():
+        pass
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, set())

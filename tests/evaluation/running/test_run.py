@@ -292,3 +292,19 @@ def test_missing_packages_are_named(small, tmp_path):
     )
     found = preview(small(method=[{"name": f"{lacking}:Lacking", "label": "lacking"}]), tmp_path)
     assert "pip install no-such-package" in found.unavailable["lacking"]
+
+
+@pytest.mark.slow
+def test_ctrl_c_is_not_heard_by_the_workers(small, tmp_path, method_file):
+    """A terminal sends it to all processes; the run ends its workers itself, and they say nothing."""
+    hangs = {"name": f"{method_file}:Nearest", "label": "hang", "trouble": "hang"}
+    folder = tmp_path / "results"
+    process = launch(tmp_path, small(stability=None, method=[hangs]), folder, 2)
+    deadline = time.monotonic() + 120
+    while not list(folder.glob("running/*hang*.json")) and process.poll() is None:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    said = process.communicate(timeout=60)[1].decode()
+    assert said.count("Traceback") <= 1, said  # that of the script itself
+    assert said.rstrip().endswith("KeyboardInterrupt")

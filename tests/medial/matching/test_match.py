@@ -5,8 +5,10 @@ import pytest
 
 from datasets_gen.records import InputError
 from medial import Departures, MatchConfig, extrapolate, match
+from medial.matching.common_units import check_comparable
 from medial.matching.landmarks.candidates import diffusion_sets
 from medial.matching.prepared import prepare_pair
+from medial.operator import Operator
 from tests.medial.matching_shapes import diffusion_of, permuted, unequal_arms
 
 QUICK = {"samples": 150, "times": 12, "restarts": 4}
@@ -80,8 +82,12 @@ def test_only_a_deformation_checks_the_mirror_image(shape):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"sample": 3}, "unknown match setting 'sample'"),
-        ({"samples": 0}, "samples must be an integer of at least 1, got 0"),
+        ({"sample": 3}, "unknown match setting 'sample'; known are samples"),
+        ({"samples": 0}, "match setting samples is 0; give a whole number of at least 1"),
+        ({"samples": 2.5}, "match setting samples must be a whole number, got 2.5"),
+        ({"both_ways": "false"}, "match setting both_ways must be true or false, got 'false'"),
+        ({"starts": "spred"}, "match setting starts must be one of 'random', 'spread', got 'spred'"),
+        ({"candidates": "x"}, "match setting candidates must be a finite number, got 'x'"),
         ({"departures": {"nonsense": True}}, "unknown departure 'nonsense'"),
         ({"candidates": 1.5}, r"candidates must lie in \(0, 1\], got 1.5"),
     ],
@@ -108,3 +114,33 @@ def test_a_cloud_smaller_than_the_samples(shape):
     small = diffusion_of(shape.points[few], shape.normals[few], modes=20)
     found = match(small, shape)
     assert len(found) == 90
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"eta": None}, "built with eta=0.5 and eta=None; use one eta"),
+        ({"sigma_e": 4.0}, "sigma_e=5.0 and sigma_e=4.0"),
+        ({"reference_points": 900.0}, "reference_points"),
+        ({"departures": {"radius_cap": False}}, "different departures"),
+        ({"tolerance": 0.1, "device": "llvm", "modes": 9}, None),
+    ],
+)
+def test_settings_of_operators_cannot_be_mixed(shape, changed, message):
+    made = dataclasses.asdict(Operator())
+    one, other = (
+        dataclasses.replace(shape, operator="medial", parameters=each) for each in (made, made | changed)
+    )
+    if message is None:
+        check_comparable(one, other)
+        return
+    with pytest.raises(InputError, match=message):
+        check_comparable(one, other)
+    with pytest.raises(InputError, match=message):
+        match(one, other)
+
+
+def test_seeds_are_whole_numbers(shape):
+    for seed in (-1, 1.5, "x", None):
+        with pytest.raises(InputError, match="seed is"):
+            match(shape, shape, seed=seed)

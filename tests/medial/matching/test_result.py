@@ -25,7 +25,11 @@ def matching(**changes):
 
 
 def test_it_says_in_one_line_what_it_is():
-    assert repr(matching()) == "Matching(3 points, 2 landmarks, mean confidence 0.50, mirror check agrees)"
+    said = "Matching(3 points, 2 landmarks, mean confidence 0.50"
+    assert [repr(matching(mirror_check=word)) for word in ("overruled", "undecided")] == [
+        f"{said})",
+        f"{said}, mirror check undecided)",
+    ]
 
 
 @pytest.mark.parametrize("clouds", [False, True])
@@ -72,3 +76,8 @@ def test_a_map_is_extended_to_the_clouds_that_its_points_were_picked_from():
     assert whole.landmarks.tolist() == [[4, 3], [2, 7]]
     assert whole.restarts["first"].tolist() == [4, 0]
     assert whole.restarts["partner"].tolist() == [3, 7]
+
+
+def test_numbers_of_numpy_are_saved(tmp_path):
+    matching(seed=np.int64(3), config=MatchConfig(samples=np.int64(30))).save(tmp_path / "m.npz")
+    assert Matching.load(tmp_path / "m.npz").seed == 3

@@ -38,8 +38,10 @@ def test_the_summary_says_how_many_points_were_matched_and_how_surely(scan_file,
     result = run("match", scan_file, scan_file, "-o", tmp_path / "m.npz", "--modes", "30", "--points", points)
     line = result.stderr.strip().splitlines()[-1]
     assert line.startswith(said)
-    check = load_map(tmp_path / "m.npz")[1]["mirror_check"]
-    assert f" %; mirror check {check}; written to " in line
+    doubt = (
+        "; mirror check undecided" if load_map(tmp_path / "m.npz")[1]["mirror_check"] == "undecided" else ""
+    )
+    assert f" % (confidence of at least 0.5){doubt}; written to " in line
 
 
 def test_clouds_of_every_kind_are_read(scan_file, mesh_file, tmp_path):
@@ -105,6 +107,9 @@ def test_clouds_that_cannot_be_matched_are_refused(scan_file, tmp_path):
     fails(run("match", scan_file, scan_file, "-o", tmp_path / "m.txt"), ".npz")
     fails(run("match", scan_file, scan_file, "-o", out, "--device", "gpu"), "'gpu'", "cuda")
     fails(run("symmetry", scan_file, "-o", out, "--device", "gpu"), "'gpu'", "cuda")
+    fails(run("match", scan_file, scan_file, "-o", out, "--departures", "some"), "'some'", "'none'")
+    settings = 'settings={departures="none"}'
+    fails(run("match", scan_file, scan_file, "-o", out, "--set", settings), "--departures")
     (tmp_path / "cut.npz").write_bytes(scan_file.read_bytes()[:1000])
     fails(run("match", tmp_path / "cut.npz", scan_file, "-o", out), "cut.npz")
     assert not out.exists()
@@ -122,3 +127,14 @@ def test_symmetry_maps_a_cloud_to_itself_and_draws_it(scan_file, tmp_path):
     assert meta["about"]["method"] == "symmetry"
     assert picture.read_bytes()[:4] == b"\x89PNG"
     fails(run("symmetry", scan_file, "-o", out, "--picture", tmp_path / "p.gif"), ".png or .pdf")
+
+
+def test_departures_reach_operator_and_matcher(scan_file, tmp_path):
+    out = tmp_path / "map.npz"
+    for command in (("match", scan_file, scan_file), ("symmetry", scan_file)):
+        result = run(*command, "-o", out, *FAST, "--departures", "none")
+        assert result.exit_code == 0, result.output
+        config = load_map(out)[1]["config"]
+        assert config["selection"] == "cost"
+        assert not any(config["departures"].values())
+    fails(run("match", out, scan_file, "-o", tmp_path / "again.npz"), "holds a Matching", "give a scan")

@@ -21,7 +21,7 @@ def test_experiments_that_cannot_run_are_refused(tmp_path):
 
 def test_folders_that_are_no_experiments_are_pointed_to_the_right_command(here):
     body().export(here / "rest.ply")
-    fails(run("run", here), "folder of meshes", f"medialbench run matching --dataset {here}")
+    fails(run("run", here), "folder of meshes", f"medialbench run quick --dataset {here}")
     (here / "empty").mkdir()
     fails(run("run", "empty"), "no experiment.toml", "quick")
 
@@ -105,3 +105,25 @@ def test_a_run_ends_with_the_leaderboard_and_the_report_and_goes_on_from_what_is
     joint = run("merge", out, "-o", tmp_path / "joint")
     assert joint.exit_code == 0, joint.output
     assert run("compare", tmp_path / "joint").exit_code == 0
+
+
+def test_poses_are_a_number_or_names(tmp_path):
+    for poses, said in (("2", "human: rest, "), ("rest, sit", "human: rest, sit\n"), ("all", "walk")):
+        result = run("run", "quick", "-o", tmp_path, "--dataset", "human", "--poses", poses, "--dry-run")
+        assert said in result.output, result.output
+    fails(run("run", "quick", "-o", tmp_path, "--poses", "rest,sitt", "--dry-run"), "'sitt'", "'sit'")
+    fails(run("run", "quick", "-o", tmp_path, "--poses", "0", "--dry-run"), "poses", "0")
+
+
+def test_the_help_names_every_preset():
+    from evaluation import presets
+
+    text = " ".join(run("run", "--help").output.split()).replace("- ", "-")
+    assert all(name in text for name in presets())
+
+
+def test_a_dry_run_needs_no_folder_to_write_to(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.access", lambda *_: False)
+    result = run("run", "quick", "-o", tmp_path / "out", "--dry-run")
+    assert result.exit_code == 0, result.output
+    fails(run("run", "quick", "-o", tmp_path / "out"), "no permission")

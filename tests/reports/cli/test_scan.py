@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+import medialbench
 from scanner_sim import Scan
 from tests.reports.cli.command_line import SMALL, body, fails, run
 
@@ -60,12 +61,12 @@ def in_two_parts(mesh):
     return trimesh.util.concatenate([mesh, other])
 
 
-BAD_MESHES = {
-    "NaN": (with_nan, "NaN"),
-    "degenerate": (with_flat_face, "degenerate"),
-    "non-manifold": (non_manifold, "non-manifold"),
-    "two components": (in_two_parts, "components"),
-}
+def with_flat_faces_alone(mesh):
+    return trimesh.Trimesh(mesh.vertices, [[0, 0, 1], [2, 2, 2]], process=False)
+
+
+BAD_MESHES = {"NaN": (with_nan, "NaN"), "no area": (with_flat_faces_alone, "degenerate")}
+ODD_MESHES = {"degenerate": with_flat_face, "non-manifold": non_manifold, "two parts": in_two_parts}
 
 
 @pytest.mark.parametrize("name", BAD_MESHES)
@@ -75,6 +76,18 @@ def test_bad_meshes_are_refused(name, tmp_path):
     spoil(body()).export(path)
     fails(run("scan", path, "-o", out, *SMALL), word)
     assert not out.parent.exists()
+
+
+@pytest.mark.parametrize("name", ODD_MESHES)
+def test_any_mesh_with_a_surface_is_scanned_as_from_python(name, tmp_path):
+    path, out = tmp_path / "odd.ply", tmp_path / "scan.npz"
+    ODD_MESHES[name](body()).export(path)
+    result = run("scan", path, "-o", out, *SMALL)
+    assert result.exit_code == 0, result.output
+    found = Scan.load(out)
+    wanted = medialbench.scan(path, views=4, resolution=(60, 60), stripes=80)
+    assert np.array_equal(found.points, wanted.points)
+    assert np.array_equal(found.face_ids, wanted.face_ids)
 
 
 def test_files_that_are_no_meshes_are_refused(tmp_path, scan_file):
@@ -99,7 +112,8 @@ def test_repair_goes_on_with_the_largest_part(tmp_path):
     small = trimesh.creation.icosphere(subdivisions=1)
     small.apply_translation([9, 0, 0])
     trimesh.util.concatenate([big, small]).export(path)
-    fails(run("scan", path, "-o", out, *SMALL), "--repair")
+    assert run("scan", path, "-o", out, *SMALL).exit_code == 0
+    assert Scan.load(out).points[:, 0].max() > 8
     assert run("scan", path, "-o", out, *SMALL, "--repair").exit_code == 0
     assert Scan.load(out).points[:, 0].max() < 5
 
@@ -120,3 +134,47 @@ def test_impossible_settings_are_refused(mesh_file, tmp_path):
     fails(run("scan", mesh_file, "-o", out, *SMALL, "--set", "baseline=0"), "baseline")
     fails(run("scan", mesh_file, "-o", out, *SMALL, "-t", "1.0"), "acquired")  # no view sees anything
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("views", "wanted"),
+    [
+        ("2", 2),
+        ("ring:3", "ring:3"),
+        ("[[0,0,1]]", ((0, 0, 1),)),
+        ("[[0,0,1], [1,.5,0]]", ((0, 0, 1), (1, 0.5, 0))),
+    ],
+)
+def test_views_are_a_number_a_name_or_directions(views, wanted, mesh_file, tmp_path):
+    out = tmp_path / "s.npz"
+    result = run("scan", mesh_file, "-o", out, *SMALL[:4], "--views", views)
+    assert result.exit_code == 0, result.output
+    assert Scan.load(out).config.views == wanted
+
+
+def test_numbers_are_read_as_people_write_them(mesh_file, tmp_path):
+    out = tmp_path / "s.npz"
+    result = run("scan", mesh_file, "-o", out, *SMALL, "--set", "peak_threshold=.5", "--set", "gain=1.")
+    assert result.exit_code == 0, result.output
+    assert Scan.load(out).config.peak_threshold == 0.5
+    fails(run("scan", mesh_file, "-o", out, *SMALL, "--set", "peak_threshold=-.5"), "-0.5")
+
+
+def test_a_setting_given_twice_is_refused(mesh_file, tmp_path):
+    out = tmp_path / "s.npz"
+    result = run("scan", mesh_file, "-o", out, "--views", "2", "--set", "views=ring:3")
+    fails(result, "--views 2", "--set views=ring:3", "one of them", status=2)
+    result = run("scan", mesh_file, "-o", out, "-t", "0.4", "--set", "peak_threshold=.5")
+    fails(result, "--peak-threshold 0.4", "--set peak_threshold=0.5", status=2)
+    assert not out.exists()
+
+
+def test_views_that_see_nothing_are_said_in_one_line(tmp_path):
+    path, out = tmp_path / "sheet.ply", tmp_path / "s.npz"
+    corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False).export(path)
+    result = run("scan", path, "-o", out, *SMALL[:4], "--views", "[[0, 0, 1], [0, 0, -1], [1, 0, -3]]")
+    assert result.exit_code == 0, result.output
+    said = [line for line in result.stderr.splitlines() if "see nothing" in line]
+    assert len(said) == 1
+    assert "[1, 2]" in said[0]

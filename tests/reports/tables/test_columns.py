@@ -1,6 +1,6 @@
 import numpy as np
 
-from reports.tables.columns import Column, best_cells, cell_text, filled_columns
+from reports.tables.columns import LEADERBOARD, STABILITY, Column, best_cells, cell_text, filled_columns
 from tests.reports.tables.small import COLUMNS, SMALL
 
 
@@ -17,3 +17,11 @@ def test_cells_have_their_digits_and_missing_values_a_dash():
 def test_columns_without_a_value_are_left_out():
     empty = SMALL.assign(low=np.nan)
     assert [column.name for column in filled_columns(COLUMNS, empty)] == ["name", "high"]
+
+
+def test_errors_of_different_operators_are_not_ranked():
+    assert not [
+        c.title
+        for c in (*LEADERBOARD, *STABILITY)
+        if c.name.startswith("eq18") and c.best and c.name != "eq18_relative"
+    ]

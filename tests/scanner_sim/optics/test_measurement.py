@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 
 from scanner_sim import ScannerConfig
-from scanner_sim.optics.measurement import Verdict, verdicts
+from scanner_sim.optics.verdict import Verdict, verdicts
 from scanner_sim.scanner import Rig
 
 
 def judged(shape, **settings):
     rig = Rig(shape, ScannerConfig(resolution=(60, 60), shading="flat", **settings))
     hits, measured = rig.view(0, seed=0)
-    return verdicts(hits, measured, rig.config)
+    return verdicts(hits, measured.index, measured.verdict, rig.config)
 
 
 @pytest.mark.parametrize(
@@ -19,7 +19,7 @@ def judged(shape, **settings):
         ({"material": "black"}, Verdict.DARK),
         ({"exposure": 20.0}, Verdict.SATURATED),
         ({"distance": 400.0}, Verdict.OUT_OF_RANGE),
-        ({"residual_threshold": 1e-9}, Verdict.POOR_FIT),
+        ({"fit": "least_squares", "residual_threshold": 1e-9}, Verdict.POOR_FIT),
         ({"depth_threshold": 1e-9}, Verdict.POOR_FIT),
         ({"views": ((1, 0, 0.35),)}, Verdict.GRAZING),
     ],

@@ -23,11 +23,22 @@ def test_wedge_is_the_gaussian_of_the_distance_to_the_sheet():
     for theta in (-0.35, -0.2, 0.0):
         normal = np.array([np.cos(theta), 0, -np.sin(theta)])
         gap = np.abs((points - eye) @ normal)
-        sigma = r * np.tan(config.wedge / 2) / np.sqrt(2)
+        sigma = r * np.tan(config.wedge / 2) / 2
         expected = np.exp(-2 * (gap / sigma) ** 2)
         expected[np.abs(theta - laser.angle) > config.wedge / 2] = 0
         got = stripe.wedge(theta - laser.angle, laser.axis_distance / laser.distance, config.wedge)
         assert np.allclose(got, expected)
+
+
+def test_width_of_the_stripe_is_that_of_the_reference_program():
+    """Fits of the reference program's output that iterated have s / F = .1763; its formula gives .1768."""
+    config = ScannerConfig()
+    laser = stripe.laser_coordinates(np.array([[0.0, 0.0, 120.0]]), config.baseline)
+    assert stripe.cast_width(laser, config)[0] / config.wedge == pytest.approx(0.1768, abs=1e-4)
+    swept = stripe.swept_stripes(laser, config)
+    found = peak.fit(swept.values, "least_squares")
+    assert found.width[0] * config.step / config.wedge == pytest.approx(0.1763, rel=5e-3)
+    assert 7 <= (swept.values > 0).sum() <= 8  # "about 7 stripes per pixel"
 
 
 @pytest.mark.parametrize("beam", ["wedge", "gaussian"])
@@ -53,7 +64,7 @@ def test_fit_of_a_clean_sweep_finds_angle_width_and_height(beam):
     swept = stripe.swept_stripes(laser, config)
     inner = (swept.first > 0) & (swept.first + swept.values.shape[1] < config.stripes)
     assert inner.mean() > 0.8
-    found = peak.fit(swept.values)
+    found = peak.fit(swept.values, "least_squares")
     angle = config.sweep[0] + (swept.first + found.position + 0.5) * config.step
     assert np.abs(angle - laser.angle)[inner].max() < 1e-6
     width = stripe.cast_width(laser, config)
@@ -85,9 +96,11 @@ def test_inverse_square_falloff():
 
 
 def test_stripes_cover_the_field_of_view_over_the_whole_range():
+    """Ranges are distances from the eye along the rays at the image's edges."""
     config = ScannerConfig()
     first, last = config.sweep
-    for depth in (config.min_range, 150.0, config.max_range):
+    for reach in (config.min_range, 150.0, config.max_range):
+        depth = reach / np.hypot(1, config.half_width)
         edge = config.half_width * depth
         corners = stripe.laser_coordinates(
             np.array([[-edge, 0, depth], [edge, 0, depth]]), config.baseline

@@ -1,0 +1,117 @@
+"""What values the scanner's parameters may take."""
+
+import json
+import math
+from collections.abc import Callable
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from datasets_gen.records import InputError
+
+ScannerConfig = Any
+"""`scanner_sim.scanner_config.ScannerConfig`, which imports this module."""
+_LENGTHS = ("object_size", "min_range", "beam_waist", "wavelength", "profile_step", "speckle_size")
+_POSITIVE = (*_LENGTHS, "exposure", "gain", "std_threshold", "residual_threshold")
+_Rule = tuple[str, Callable[[ScannerConfig], bool], str]
+_RULES: list[_Rule] = [
+    *[(name, lambda c, name=name: getattr(c, name) > 0, "be positive") for name in _POSITIVE],
+    ("resolution", lambda c: min(c.resolution) >= 8, "be at least (8, 8)"),
+    ("field_of_view", lambda c: 0 < c.field_of_view < 180, "lie in (0, 180) degrees"),
+    ("distortion", lambda c: _invertible(c), "be weak enough to be inverted within the image"),
+    ("baseline", lambda c: c.baseline != 0, "not be 0: without a baseline nothing can be triangulated"),
+    ("max_range", lambda c: c.max_range > c.min_range, "exceed min_range"),
+    ("distance", lambda c: c.distance is None or c.distance > 0, "be positive"),
+    ("stripes", lambda c: c.stripes >= 3, "be at least 3: a peak has three unknowns"),
+    ("stripe_width", lambda c: c.stripe_width is None or 0 < c.stripe_width < 90, "lie in (0, 90) degrees"),
+    ("smoothing", lambda c: 0 <= c.smoothing <= 10, "lie in [0, 10] pixels"),
+    ("bounces", lambda c: c.bounces >= 1, "be at least 1"),
+    (
+        "bounces",
+        lambda c: c.bounces == 1 or _renderable(c),
+        "be 1 unless falloff is 'inverse_square', beam 'wedge', and smoothing and distortion are 0",
+    ),
+    ("bounces", lambda c: c.bounces == 1 or c.motion == "sweep", "be 1 for a profiler"),
+    ("noise", lambda c: 0 <= c.noise <= 1, "lie in [0, 1]"),
+    ("smoothing_stage", lambda c: c.smoothing_stage == "light" or c.bounces == 1, "be 'light' with bounces"),
+    ("footprint", lambda c: c.footprint % 2 == 1 and 1 <= c.footprint <= 15, "be an odd number in 1..15"),
+    ("footprint", lambda c: c.footprint == 1 or c.bounces == 1, "be 1 with more than one bounce"),
+    ("ambient", lambda c: c.ambient >= 0, "not be negative"),
+    ("crease_angle", lambda c: 0 <= c.crease_angle <= 180, "lie in [0, 180] degrees"),
+    ("translucency", lambda c: 0 <= c.translucency <= 10, "lie in [0, 10] mm"),
+    ("refractive_index", lambda c: 1 <= c.refractive_index <= 4, "lie in [1, 4]"),
+    ("background", lambda c: c.background is None or c.background > 0, "be positive"),
+    ("focal_error", lambda c: abs(c.focal_error) < 0.5, "lie in (-0.5, 0.5)"),
+    ("baseline_error", lambda c: abs(c.baseline_error) < abs(c.baseline), "be smaller than the baseline"),
+    ("sheet_error", lambda c: abs(c.sheet_error) <= 10, "lie in [-10, 10] degrees"),
+    ("speckle_contrast", lambda c: 0 <= c.speckle_contrast <= 1, "lie in [0, 1]"),
+    ("dark_level", lambda c: 0 <= c.dark_level < 1, "lie in [0, 1)"),
+    ("full_well", lambda c: c.full_well >= 0, "not be negative"),
+    ("read_noise", lambda c: c.read_noise >= 0, "not be negative"),
+    ("bits", lambda c: 0 <= c.bits <= 16, "lie in 0..16"),
+    ("peak_threshold", lambda c: 0 < c.peak_threshold <= 1, "lie in (0, 1]"),
+    ("depth_threshold", lambda c: c.depth_threshold is None or c.depth_threshold > 0, "be positive"),
+    ("registration_error", lambda c: 0 <= c.registration_error <= 45, "lie in [0, 45] degrees"),
+    ("neighbours", lambda c: c.neighbours >= 3, "be at least 3"),
+]
+
+
+def _renderable(config: ScannerConfig) -> bool:
+    """Whether Mitsuba's own emitters and sensors can render the stripes."""
+    physical = config.falloff == "inverse_square" and config.beam == "wedge"
+    return physical and config.smoothing == 0 and not any(config.distortion)
+
+
+def _invertible(config: ScannerConfig) -> bool:
+    """Whether the distorted radius grows with the radius, over the image and some way beyond."""
+    k1, k2 = config.distortion
+    corner = 1.5 * math.hypot(*config.resolution) / 2 / config.focal
+    squares = [(corner * i / 64) ** 2 for i in range(65)]
+    return all(1 + 3 * k1 * s + 5 * k2 * s * s > 0.3 for s in squares)
+
+
+def check_types(config: ScannerConfig) -> None:
+    """Raise InputError for values of another type or, where there are choices, another word."""
+    for name, hint in get_type_hints(type(config)).items():
+        value = getattr(config, name)
+        if name in ("views", "material"):
+            continue
+        if get_origin(hint) is Literal:
+            ok, wanted = value in get_args(hint), f"one of {', '.join(map(repr, get_args(hint)))}"
+        elif get_origin(hint) is tuple:
+            kind, count = get_args(hint)[0], len(get_args(hint))
+            ok = isinstance(value, tuple) and len(value) == count and all(_is(kind, x) for x in value)
+            wanted = f"{'two' if count == 2 else 'three'} {'whole numbers' if kind is int else 'numbers'}"
+        else:
+            kinds = get_args(hint) or (hint,)
+            ok, wanted = any(_is(kind, value) for kind in kinds), _WANTED[kinds[0]]
+        if not ok:
+            raise InputError(f"scanner setting {name} must be {wanted}, got {value!r}")
+
+
+_WANTED: dict[Any, str] = {bool: "true or false", int: "a whole number", float: "a finite number"}
+
+
+def _is(kind: Any, value: object) -> bool:
+    """Whether a value may stand for a type: whole numbers are numbers, truth values are not."""
+    if kind in (int, float) and isinstance(value, bool):
+        return False
+    if kind is float:
+        return isinstance(value, int | float) and math.isfinite(value)
+    return isinstance(value, kind)
+
+
+def check_values(config: ScannerConfig) -> None:
+    """Raise InputError for the first impossible value."""
+    for name, holds, rule in _RULES:
+        if not holds(config):
+            raise InputError(f"scanner setting {name} must {rule}, got {getattr(config, name)!r}")
+    if config.beam == "wedge" and 3 * config.step > config.wedge:
+        raise InputError(
+            f"a stripe of {math.degrees(config.wedge):.3g} degrees is lit in fewer than 3 of the steps of "
+            f"{math.degrees(config.step):.3g} degrees; raise stripes (now {config.stripes}) or stripe_width"
+        )
+    try:
+        json.dumps(config.material)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"scanner setting material must be a name or a table of plain values: {error}"
+        ) from error
