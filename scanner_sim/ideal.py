@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
+from datasets_gen.values import check_count, check_seed
 from scanner_sim.scan import Scan
 from scanner_sim.scanner_config import ScannerConfig
 from scanner_sim.tracing.surface_points import corner_normals, shading_normals
@@ -39,8 +40,7 @@ def sample(shape: Shape, n: int, seed: int = 0, shading: str = "smooth") -> Scan
     InputError
         If `n` is less than 1 or the shape has no area.
     """
-    if n < 1:
-        raise InputError(f"cannot sample {n!r} points; ask for at least 1")
+    n, seed = check_count(n, "points"), check_seed(seed)
     rng = np.random.default_rng(seed)
     face_ids, barycentrics = uniform(shape, OVERSAMPLING * n, rng)
     points = shape.at(face_ids, barycentrics)

@@ -87,8 +87,9 @@ def _judged(
     """Verdict on each hit of the object and its distance, (n,); out of range counts in shadow, too."""
     verdict = verdicts(hits, measured.index, measured.verdict, config)
     distance = np.linalg.norm(hits.points, axis=1)
-    outside = (distance < config.min_range - 1e-6) | (distance > config.max_range + 1e-6)
-    verdict[outside] = Verdict.OUT_OF_RANGE
+    if config.motion == "sweep":  # a profiler's points are not in the coordinates of their frame's camera
+        outside = (distance < config.min_range - 1e-6) | (distance > config.max_range + 1e-6)
+        verdict[outside] = Verdict.OUT_OF_RANGE
     mine = hits.face_ids >= 0
     return verdict[mine], distance[mine]
 
@@ -96,7 +97,10 @@ def _judged(
 def _blindness(in_image: list[bool]) -> str:
     """Why views have no hit, and what to do."""
     if any(in_image):
-        return "they look at the backs of its faces; turn the faces round or look from the other side"
+        return (
+            "they look at the backs of its faces, or it is smaller than a pixel; turn the faces round, look "
+            "from the other side or come nearer"
+        )
     return "it lies outside their images; aim the cameras at it, or change distance or field_of_view"
 
 

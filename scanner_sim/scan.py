@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.points.farthest import farthest_points
-from datasets_gen.records import InputError, load_record, save_record
+from datasets_gen.records import InputError, load_record, save_record, unpacking
 from datasets_gen.values import check_count, check_seed
 from scanner_sim.output.ply import write_points
 from scanner_sim.scanner_config import ScannerConfig
@@ -92,10 +92,15 @@ class Scan:
         Raises
         ------
         InputError
-            If the threshold is outside (0, 1].
+            If the threshold is outside (0, 1], or below that of the scan, which dropped what lies between.
         """
         if not 0 < peak_threshold <= 1:
             raise InputError(f"peak threshold must lie in (0, 1], got {peak_threshold!r}")
+        if peak_threshold < self.config.peak_threshold and (self.view_ids >= 0).any():
+            raise InputError(
+                f"peak threshold {peak_threshold!r} is below the {self.config.peak_threshold!r} that this "
+                "scan was made with; scan again with a lower one"
+            )
         kept = self.select(self.intensity >= peak_threshold)
         return replace(kept, config=replace(self.config, peak_threshold=peak_threshold))
 
@@ -141,8 +146,9 @@ class Scan:
     def load(cls, path: str | os.PathLike[str]) -> "Scan":
         """Read a ``.npz`` written by `save`."""
         arrays, meta = load_record(path, "Scan")
-        meta["config"] = ScannerConfig.from_dict(meta["config"])
-        return cls(**arrays, **meta)
+        with unpacking(path, "Scan"):
+            meta["config"] = ScannerConfig.from_dict(meta["config"])
+            return cls(**arrays, **meta)
 
 
 _WHOLE = ("poses", "scale", "shape_name", "config", "seed", "variant")

@@ -13,6 +13,7 @@ from datasets_gen.meshes.geometry import solid_faces
 from datasets_gen.points import normals
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
+from datasets_gen.values import check_seed
 from scanner_sim import view_alignment
 from scanner_sim.leading_reason import nothing_acquired, shows
 from scanner_sim.motion import passes, profiler, stations
@@ -56,7 +57,11 @@ def scan(
     InputError
         If the shape has no extent, or not a single point was acquired.
     """
-    config = ScannerConfig() if config is None else config
+    if not isinstance(shape, Shape):
+        raise InputError(
+            f"scan takes a Shape, got {type(shape).__name__}; medialbench.scan takes files, meshes and arrays"
+        )
+    config, seed = ScannerConfig() if config is None else config, check_seed(seed)
     outward = facing_outward(shape)
     rig = Rig(outward, config, attributes)
     with variant.active(rig.tracer.variant):  # once for all views: switching takes as long as a view

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from datasets_gen.records import InputError
@@ -15,6 +15,11 @@ _Rule = tuple[str, Callable[[ScannerConfig], bool], str]
 _RULES: list[_Rule] = [
     *[(name, lambda c, name=name: getattr(c, name) > 0, "be positive") for name in _POSITIVE],
     ("resolution", lambda c: min(c.resolution) >= 8, "be at least (8, 8)"),
+    ("resolution", lambda c: max(c.resolution) <= 20_000, "be at most (20000, 20000)"),
+    ("stripes", lambda c: c.stripes <= 20_000, "be at most 20000"),
+    ("speckle_size", lambda c: c.speckle_size <= 100, "be at most 100 pixels"),
+    ("full_well", lambda c: c.full_well <= 1e12, "be at most 1e12"),
+    ("material", lambda c: isinstance(c.material, str | Mapping), "be a name or a table"),
     ("field_of_view", lambda c: 0 < c.field_of_view < 180, "lie in (0, 180) degrees"),
     ("distortion", lambda c: _invertible(c), "be weak enough to be inverted within the image"),
     ("baseline", lambda c: c.baseline != 0, "not be 0: without a baseline nothing can be triangulated"),
@@ -28,6 +33,11 @@ _RULES: list[_Rule] = [
         "bounces",
         lambda c: c.bounces == 1 or _renderable(c),
         "be 1 unless falloff is 'inverse_square', beam 'wedge', and smoothing and distortion are 0",
+    ),
+    (
+        "part_velocity",
+        lambda c: c.motion == "profiler" or not any(c.part_velocity),
+        "be 0 unless motion is 'profiler'",
     ),
     ("bounces", lambda c: c.bounces == 1 or c.motion == "sweep", "be 1 for a profiler"),
     ("noise", lambda c: 0 <= c.noise <= 1, "lie in [0, 1]"),

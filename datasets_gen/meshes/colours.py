@@ -243,6 +243,7 @@ def _with_indices(vertices: list[bytes], corners: list[list[bytes]]) -> Any:
 def _material_images(libraries: list[bytes], used: list[bytes], mesh: Path) -> tuple[NDArray[np.uint8], ...]:
     """Image of each material in use: its ``map_Kd``, or one pixel of its ``Kd``; white where it has none."""
     named: dict[bytes, NDArray[np.uint8]] = {}
+    defined: set[bytes] = set()
     for library in libraries:
         place = mesh.parent / library.decode("utf-8", "replace")
         if not place.is_file():
@@ -255,10 +256,17 @@ def _material_images(libraries: list[bytes], used: list[bytes], mesh: Path) -> t
             key, _, rest = line.strip().partition(b" ")
             if key == b"newmtl":
                 name, mapped = rest.strip(), False
+                defined.add(name)
             elif key.lower() == b"map_kd" and name in used:
                 named[name], mapped = _image(rest.decode("utf-8", "replace").strip(), mesh), True
             elif key == b"Kd" and not mapped:
                 colour = np.array(rest.split()[:3], np.float64)
                 named[name] = np.round(255 * np.clip(colour, 0, 1)).astype(np.uint8)[None, None]
+    unknown = [name.decode("utf-8", "replace") for name in used if name and libraries and name not in defined]
+    if unknown:
+        raise InputError(
+            f"{str(mesh)!r} uses the material {unknown[0]!r}, which its material files do not define; "
+            "define it or choose another material"
+        )
     white = np.full((1, 1, 3), 255, np.uint8)
     return tuple(named.get(name, white) for name in used)

@@ -27,10 +27,12 @@ from reports.cli.set_options import merged, value_of
     "-t",
     "--peak-threshold",
     type=float,
-    help="Smallest accepted laser peak, in (0, 1]; higher loses more surface.  [default: 0.1]",
+    help="Smallest accepted laser peak, in (0, 1]; higher loses more surface.  [default: preset's, or 0.1]",
 )
 @click.option(
-    "--views", help="Viewpoints: a number, sphere:N, ring:N, opposed or [[x, y, z], ...].  [default: 10]"
+    "--views",
+    help="Viewpoints: a number, sphere:N, ring:N, turntable:N@ELEVATION, opposed, [[x, y, z], ...] or 4 x 4 "
+    "matrices.  [default: preset's, or 10]",
 )
 @click.option(
     "--points", type=click.IntRange(min=1), help="Keep this many points, evenly spread.  [default: all]"

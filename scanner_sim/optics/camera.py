@@ -62,10 +62,9 @@ def visible_window(vertices: NDArray[np.float64], config: ScannerConfig) -> Wind
     config
     """
     size = np.array(config.resolution)
-    if (vertices[:, 2] <= 1e-6).any():
+    if (vertices[:, 2] <= 1e-6).any() or any(config.distortion):  # which bends the edges between vertices
         return 0, 0, int(size[0]), int(size[1])
-    image = distorted(*(vertices[:, :2] / vertices[:, 2:]).T, *map(np.float64, config.distortion))
-    place = np.stack(image, axis=1) * config.focal + size / 2
+    place = vertices[:, :2] / vertices[:, 2:] * config.focal + size / 2
     low = np.clip(np.floor(place.min(axis=0)).astype(int) - 1, 0, size)
     high = np.clip(np.ceil(place.max(axis=0)).astype(int) + 1, 0, size)
     if (high <= low).any():

@@ -135,6 +135,8 @@ def brightest_rows(
     hits
     config
     """
+    if points.rows == 0:
+        return np.empty(0, bool)
     leader = np.searchsorted(points.row, np.arange(points.rows))
     pixels = hits.pixels[points.hit[leader]].astype(np.int64)
     number = pixels[:, 1] * config.resolution[0] + pixels[:, 0]

@@ -93,7 +93,7 @@ def measure(
         found = peak.fit(values, config.fit, ceiling, config.step)
         position[index], height[index], width[index] = found.position, found.peak, found.width
         residual[index], accepted[index] = found.residual, found.accepted
-        largest[index] = values.max(axis=1)
+        largest[index] = values.max(axis=1, initial=0)
         saturated[index] = (values >= ceiling[:, None] - 1e-9).sum(axis=1)
     angle = config.sweep[0] + (stored.rows.first + position + 0.5) * config.step
     points = triangulated(stored.pixels, angle, config)
@@ -114,7 +114,7 @@ def samples(
     swept = stripe.swept_stripes(lit.laser, config, config.wedge / 2 if indirect else 0.0)
     light = lit.gather(swept, lit.amplitude)
     cast = lit.gather(swept, lit.share) if config.noise > 0 else light  # bounds the reference's speckle
-    if not lit.single:
+    if config.footprint > 1 or config.translucency > 0:
         kept = brightest_rows(lit, light.largest(), hits, config)
         lit, light, cast = (
             lit.select(kept),

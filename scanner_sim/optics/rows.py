@@ -72,21 +72,24 @@ class Rows:
         return row, np.arange(len(self.values)) - np.repeat(self.start - self.first, length)
 
     def largest(self) -> NDArray[np.float64]:
-        """Largest sample of each row, (n,)."""
+        """Largest sample of each row, (n,); no row may be empty."""
         return np.maximum.reduceat(self.values, self.start) if len(self.first) else np.empty(0)
 
     def brightest_runs(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """First stripe and the one after the last of each row's brightest run of lit samples, (n,) each."""
         row, stripe = self.stripes()
+        if len(row) == 0:
+            return self.first, self.stop
         lit = self.values > 0
         begins = lit & np.concatenate([[True], ~lit[:-1] | (row[1:] != row[:-1])])
         run = np.cumsum(begins) - 1  # of lit samples
         order = np.lexsort((-self.values, row))
-        top = order[np.searchsorted(row[order], np.arange(len(self.first)))]
+        place = np.searchsorted(row[order], np.arange(len(self.first)))
+        top = order[np.minimum(place, len(order) - 1)]
         low = np.flatnonzero(begins)
         high = np.zeros(len(low), np.int64)
         np.maximum.at(high, run[lit], stripe[lit] + 1)
-        empty = ~lit[top]
+        empty = ~lit[top] | (self.stop == self.first)
         own = np.where(empty, 0, run[top])
         first, stop = stripe[low][own] if len(low) else self.first, high[own] if len(low) else self.stop
         return np.where(empty, self.first, first), np.where(empty, self.stop, stop)
@@ -113,7 +116,7 @@ class Rows:
             classes = np.ceil(np.log2(np.maximum(length, 1))).astype(np.int64)
         for each in np.unique(classes):
             members = np.flatnonzero(classes == each)
-            parts = int(np.ceil(len(members) * length[members].max() / LARGEST_BLOCK))
+            parts = max(1, int(np.ceil(len(members) * length[members].max() / LARGEST_BLOCK)))
             yield from np.array_split(members, parts)
 
     def padded(self, index: NDArray[np.integer]) -> NDArray[np.float64]:
@@ -121,7 +124,7 @@ class Rows:
         length = (self.stop - self.first)[index]
         width = int(length.max(initial=0))
         if len(self.values) == len(self.first) * width == len(index) * width:  # all rows, of one length
-            return self.values.reshape(-1, width)[index]
+            return self.values.reshape(len(self.first), width)[index]
         column = np.arange(width)
         inside = column < length[:, None]
         place = np.where(inside, self.start[index][:, None] + column, 0)

@@ -130,7 +130,7 @@ def verdicts(
     out = np.where(cosine > 0, Verdict.SHADOW, Verdict.GRAZING).astype(np.int8)
     out[index] = verdict
     out[(out == Verdict.DARK) & (cosine < config.peak_threshold)] = Verdict.GRAZING
-    if config.footprint > 1:
+    if config.footprint > 1 and len(out):
         measured = np.zeros(len(out), bool)
         measured[index] = True
         stride = int(hits.pixels[:, 0].max(initial=0)) + 1  # a profiler counts frames, not columns

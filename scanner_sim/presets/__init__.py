@@ -43,7 +43,7 @@ def load(name: str | os.PathLike[str], known: Collection[str] = ()) -> dict[str,
     table = _read(name)
     unknown = sorted(set(table) - {"about", "scanner"})
     if unknown or not isinstance(table.get("scanner"), dict):
-        wrong = f"has a table [{unknown[0]}]" if unknown else "lacks a table [scanner]"
+        wrong = f"has {unknown[0]!r} outside [scanner]" if unknown else "lacks a table [scanner]"
         raise InputError(f"preset {str(name)!r} {wrong}; it needs [scanner], and may have [about]")
     settings: dict[str, Any] = table["scanner"]
     for key in sorted(set(settings) - set(known)) if known else ():

@@ -23,6 +23,8 @@ from scanner_sim.tracing.surface_points import (
     shading_normals,
 )
 
+BLACK = 1e-6
+"""Least albedo: no paint is quite black, and what is lit is not in shadow."""
 REFLECTANCE = 1e-4
 """Step to which reflectance is rounded: far below a grey level."""
 
@@ -113,7 +115,7 @@ class Tracer:
             cosine = np.einsum("nd,nd->n", normals, toward) / np.sqrt(squared)
             light = rounded(light, cosine)
             if self._albedo is not None:
-                light *= self._albedo(seen.face_ids, barycentrics)
+                light *= np.maximum(self._albedo(seen.face_ids, barycentrics), BLACK)
             pixels = seen.pixels // np.int32(self.config.footprint)
             hits = Hits(pixels, seen.face_ids, barycentrics, points, normals, light)
             if self.config.background is None:

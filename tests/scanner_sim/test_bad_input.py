@@ -220,3 +220,71 @@ def test_subsample_chooses_by_the_surface_not_by_the_fits(sphere):
     noise = np.random.default_rng(2).normal(scale=1e-3, size=whole.points.shape)
     moved = replace(whole, points=whole.points + noise)
     assert np.array_equal(whole.subsample(500, seed=4).face_ids, moved.subsample(500, seed=4).face_ids)
+
+
+def test_a_threshold_below_that_of_the_scan_is_refused(capsule):
+    found = scan(capsule, ScannerConfig(**SMALL, peak_threshold=0.5))
+    with pytest.raises(InputError, match=r"below the 0\.5"):
+        found.accept(0.3)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "a", None])
+def test_a_seed_that_is_no_whole_number_is_refused(capsule, seed):
+    with pytest.raises(InputError, match="seed"):
+        scan(capsule, ScannerConfig(**SMALL), seed)
+    with pytest.raises(InputError, match="seed"):
+        sample(capsule, 10, seed)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"distance": 80.0, "smoothing": 0.5, "fit": "least_squares"},
+        {"distance": 45.0, "min_range": 100.0, "smoothing": 1.0},
+        {"distance": 45.0, "min_range": 100.0, "smoothing": 0.5, "smoothing_stage": "image"},
+    ],
+)
+def test_smoothing_of_what_is_partly_out_of_range_ends_in_a_scan_or_one_line(sphere, settings):
+    config = ScannerConfig(views=((0, 0, 1),), resolution=(60, 60), stripe_width=5.0, **settings)
+    try:
+        found = scan(sphere, config)
+    except InputError:
+        return
+    assert np.isfinite(found.points).all()
+
+
+def test_a_footprint_that_sees_nothing_is_refused_like_a_single_ray(sphere):
+    away = np.eye(4)
+    away[:3, :3], away[:3, 3] = np.diag([1, -1, -1]), (4000, 0, 200)
+    for footprint in (1, 3):
+        with pytest.raises(InputError, match="outside their images"):
+            scan(sphere, ScannerConfig(views=[away.tolist()], footprint=footprint))
+
+
+def test_a_pixel_gives_one_point_whatever_lights_it(torus):
+    config = ScannerConfig(
+        views="ring:3",
+        resolution=(8, 8),
+        stripe_width=3.0,
+        footprint=3,
+        fit="centre_of_mass",
+        field_of_view=120.0,
+        peak_threshold=0.01,
+    )
+    found = scan(torus, config)
+    assert len(np.unique(np.column_stack([found.view_ids, found.pixels]), axis=0)) == len(found)
+
+
+def test_a_distorting_lens_sees_as_much_of_a_coarse_mesh_as_of_a_fine_one():
+    box = trimesh.creation.box((1, 1, 0.01))
+    config = ScannerConfig(
+        views=((0, 0, 1),),
+        distortion=(-0.29, 0.0),
+        distance=125.0,
+        max_range=400.0,
+        object_size=300.0,
+        resolution=(60, 60),
+        stripe_width=5.0,
+    )
+    counts = [len(scan(to_shape(mesh, "a/box"), config)) for mesh in (box, box.subdivide().subdivide())]
+    assert counts[0] == pytest.approx(counts[1], rel=0.02)

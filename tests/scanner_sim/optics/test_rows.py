@@ -62,3 +62,12 @@ def test_of_two_runs_of_lit_samples_the_brightest_is_kept():
     assert stop.tolist() == [16, 22, 32]
     cut = rows.cut(first, stop)
     assert cut.values.tolist() == [0.5, 0.2, 0.0, 0.0, 0.4, 0.2]
+
+
+def test_empty_rows_stay_empty():
+    rows = Rows(np.array([0, 7, 20]), np.array([3, 7, 23]), np.array([0.1, 0.4, 0.0, 0.2, 0.0, 0.5]))
+    first, stop = rows.brightest_runs()
+    assert first.tolist() == [0, 7, 22]
+    assert stop.tolist() == [2, 7, 23]
+    assert rows.cut(first, stop).values.tolist() == [0.1, 0.4, 0.5]
+    assert sorted(np.concatenate(list(rows.blocks()))) == [0, 1, 2]
