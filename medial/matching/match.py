@@ -40,7 +40,7 @@ from medial.matching.nearest import single_blas_thread
 from medial.matching.prepared import PreparedPair, prepare_pair
 from medial.matching.registration.direction import DirectedFit, Direction, pair_directions
 from medial.matching.registration.placement import place
-from medial.matching.registration.search import follow, forward_first, most_seen, moving, search, settle
+from medial.matching.registration.search import follow, forward_first, moving, search, settle, surely_seen
 from medial.matching.registration.selection import FineSelection
 from medial.matching.result import UNCHECKED, Matching
 from medial.matching.zoomout import spectral_refinement
@@ -185,7 +185,7 @@ def match_by_fit(
     """
     followed = follow(directions, tried)
     settled = settle(directions, followed)
-    if further is not None and most_seen(settled) < ENOUGH:
+    if further is not None and surely_seen(settled) < ENOUGH:
         more = further()
         more_followed = follow(directions, more)
         settled += settle(directions, more_followed)
@@ -193,7 +193,7 @@ def match_by_fit(
         if pair.config.rigid_starts:
             settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
     fits = moving(search(directions, moving(settled)))
-    if further is not None and BARELY < most_seen(fits) < ENOUGH:
+    if further is not None and BARELY < surely_seen(fits) < ENOUGH:
         fits = moving(search(directions, fits))
     return _of_fits(pair, directions, forward_first(tried), forward_first(followed), fits)
 

@@ -13,11 +13,13 @@ from datasets_gen.compiled import run_tasks
 from medial.matching.common_units import Int
 from medial.matching.landmarks.candidates import Candidate
 from medial.matching.landmarks.rigid_starts import rigid_poses
-from medial.matching.prepared import PreparedPair
+from medial.matching.prepared import PreparedCloud, PreparedPair
 from medial.matching.registration.deformation_graph import NodeGraph, Pose
 from medial.matching.registration.exchange import ExchangeLimits, distinct, exchange_parts
+from medial.matching.registration.fit import Fit
 from medial.matching.registration.refinement import FineDeformation
-from medial.matching.registration.registration import Fit, Registration, Schedule, features, nearest_places
+from medial.matching.registration.registration import Registration, Schedule, features, nearest_places
+from medial.matching.registration.visibility import Visibility
 
 QUICK = Schedule()
 LIKE = 0.02
@@ -79,6 +81,8 @@ class Direction:
         The prepared clouds. The one that is deformed needs its `coordinates`.
     backward
         Deform the target of the pair onto its source.
+    shown
+        What the pair's source and target show.
 
     Attributes
     ----------
@@ -90,8 +94,9 @@ class Direction:
         Of the samples of the source.
     """
 
-    def __init__(self, pair: PreparedPair, backward: bool) -> None:
+    def __init__(self, pair: PreparedPair, backward: bool, shown: tuple[Visibility, Visibility]) -> None:
         self.pair, self.backward = pair, backward
+        self.shown = shown[::-1] if backward else shown
         self.source, self.target = (pair.target, pair.source) if backward else (pair.source, pair.target)
         assert self.source.coordinates is not None
         self.coordinates = self.source.coordinates
@@ -99,7 +104,14 @@ class Direction:
         nodes = max(2, min(pair.config.nodes, len(here) // 4))
         self.graph, self.attachment = NodeGraph.over(self.coordinates, here.points, rows, nodes)
         self.registration = Registration.between(
-            self.graph, self.attachment, here, there, rows, self.target.cover, self.target.descriptors.samples
+            self.graph,
+            self.attachment,
+            here,
+            there,
+            rows,
+            self.target.cover,
+            self.target.descriptors.samples,
+            self.shown,
         )
 
     def follow(self, candidates: list[Candidate]) -> list[DirectedFit]:
@@ -146,7 +158,7 @@ class Direction:
         here, there = self.source, self.target
         covers = here.cover, there.cover
         return FineDeformation(
-            here.cloud, there.cloud, covers, self.coordinates, here.descriptors.samples, nodes
+            here.cloud, there.cloud, covers, self.coordinates, here.descriptors.samples, nodes, self.shown
         )
 
     def _along(self, goal: Int) -> Pose:
@@ -163,4 +175,11 @@ class Direction:
 def pair_directions(pair: PreparedPair) -> list[Direction]:
     """The source onto the target and, if both directions are wanted, the target onto the source."""
     both = pair.config.both_ways and pair.config.selection == "fit"
-    return run_tasks(Direction, [(pair, False), (pair, True)][: 2 if both else 1])
+    first, second = run_tasks(_visibility, [(pair.source,), (pair.target,)])
+    shown = first, second
+    return run_tasks(Direction, [(pair, False, shown), (pair, True, shown)][: 2 if both else 1])
+
+
+def _visibility(prepared: PreparedCloud) -> Visibility:
+    cloud, cover = prepared.cloud, prepared.cover
+    return Visibility.of(cloud.points[cover], cloud.normals[cover])

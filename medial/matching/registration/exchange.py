@@ -16,7 +16,8 @@ from typing import TypeVar
 import numpy as np
 
 from datasets_gen.compiled import run_tasks
-from medial.matching.registration.registration import Fit, Registration, Schedule
+from medial.matching.registration.fit import Fit
+from medial.matching.registration.registration import Registration, Schedule
 
 F = TypeVar("F", bound=Fit)
 
@@ -123,7 +124,7 @@ def _trials(
                 tried.add(key)
                 arguments.append((registration, base, donor))
     found = [trial for trials in run_tasks(_exchanges, arguments) for trial in trials]
-    found.sort(key=lambda fit: -fit.seen)
+    found.sort(key=lambda fit: -fit.agreement)
     picked: list[Fit] = []
     for fit in found:
         places = (np.abs(fit.pose.positions - p.pose.positions) for p in picked)
@@ -141,6 +142,6 @@ def _exchanges(registration: Registration, base: Fit, donor: Fit) -> list[Fit]:
     for part in registration.graph.parts(gap > DIFFERENT):
         if SMALLEST_PART <= len(part) <= LARGEST_PART * len(gap):
             fit = registration.judge(base.pose.mixed(donor.pose, part))
-            if fit.seen > base.seen - WORTH_A_TRY:
+            if fit.agreement > base.agreement - WORTH_A_TRY:
                 trials.append(fit)
     return trials

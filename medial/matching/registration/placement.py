@@ -16,6 +16,9 @@ ALIKE = 0.075
 PATH_COST = 10.0
 """Cost of the mean change of path lengths along the body (sqrt(area)), in the merit of a fit. Chosen on the
 fits of 72 maps between scans with a third to two thirds of the surface missing."""
+WHOLE = 0.6
+"""Share of that cost that counts between maps that differ as a whole: where scans have gaps, paths change
+under the right map, too."""
 SAME_REGION = 0.1
 """Medial centres closer than this, in sqrt(area), are of one region."""
 UNMOVED = 0.8
@@ -35,8 +38,8 @@ class Placement:
     places : (s, 3) float64
         On the pair's target.
     score : float
-        Of the fit. For a cloud and its mirror image, less the cost of what stays where it is, and of paths
-        as in the merit: both clouds have the same gaps.
+        Of the fit, less half the cost of paths. For a cloud and its mirror image, less the cost of what stays
+        where it is, and of paths as in the merit: both clouds have the same gaps.
     merit : float
         The score, less the cost of paths along the body that the map makes longer or shorter. A shank on
         the other leg's knee fits as well as on its own, but is elsewhere along the body.
@@ -64,7 +67,8 @@ def place(fit: DirectedFit) -> Placement:
     inverse = fit.inverse()
     places = fit.direction.source.cloud.points[inverse] if fit.backward else fit.moved
     score, cost = fit.score - UNMOVED_COST * unmoved(fit), PATH_COST * path_change(fit, inverse)
-    return Placement(places, score if fit.direction.pair.to_move is None else score - cost, score - cost)
+    share = WHOLE if fit.direction.pair.to_move is None else 1.0
+    return Placement(places, score - share * cost, score - cost)
 
 
 def path_change(fit: DirectedFit, inverse: Int) -> float:

@@ -9,7 +9,9 @@ from scipy.spatial import cKDTree
 from datasets_gen.compiled import thread_count
 from medial.matching.common_units import CloudInUnits
 from medial.matching.registration.deformation_graph import Attachment, NodeGraph, Pose, moved
-from medial.matching.registration.registration import Fit, Registration, Schedule, features, found
+from medial.matching.registration.fit import Fit
+from medial.matching.registration.registration import Registration, Schedule, features, found
+from medial.matching.registration.visibility import Visibility
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
@@ -64,6 +66,8 @@ class FineDeformation:
         Points that may become nodes.
     nodes
         Number of nodes.
+    shown
+        As for `Registration`.
     """
 
     def __init__(
@@ -74,8 +78,9 @@ class FineDeformation:
         coordinates: Float32,
         eligible: Int,
         nodes: int,
+        shown: tuple[Visibility, Visibility] | None = None,
     ) -> None:
-        self.source, self.target = source, target
+        self.source, self.target, self._shown = source, target, shown
         count = max(2, min(nodes, len(source) // 4))
         self.graph, self.attachment = NodeGraph.over(
             coordinates, source.points, eligible, count, FINE_INFLUENCES
@@ -86,7 +91,7 @@ class FineDeformation:
 
     def _over(self, taken: Int, among: Int, look_back: Int) -> Registration:
         return Registration.between(
-            self.graph, self.attachment, self.source, self.target, taken, among, look_back
+            self.graph, self.attachment, self.source, self.target, taken, among, look_back, self._shown
         )
 
     def adopt(self, graph: NodeGraph, attachment: Attachment, pose: Pose) -> Pose:

@@ -28,8 +28,10 @@ from medial.matching.registration.deformation_graph import (
     moved,
     shares,
 )
+from medial.matching.registration.fit import Fit
 from medial.matching.registration.normal_equations import NormalEquations
 from medial.matching.registration.rigid_motions import local_motions
+from medial.matching.registration.visibility import Visibility
 
 NORMAL_LENGTH = 0.06
 """Length, in sqrt(area), that a unit of difference between normals counts as among closest points."""
@@ -39,10 +41,6 @@ BACKWARD = 0.5
 """Weight of target points that look for the source, relative to source points that look for the target."""
 SEEN_WITHIN = 0.03
 """Distance, in sqrt(area), at which a point counts half as found."""
-STRAIN_COST = 250.0
-"""Cost of the mean square strain (areas) in the score of a fit. Fitted to some 900 fits of 52 hard pairs."""
-HELD_WORTH = 0.75
-"""Worth of the share of the body that holds together in the score of a fit. Fitted with `STRAIN_COST`."""
 SMALLEST_SCALE = 0.01
 """Residuals below this, in sqrt(area), are no outliers when a node's motion is estimated."""
 FEW = 1000
@@ -67,46 +65,6 @@ class Schedule:
     """Distance to a closest point at which it loses much of its pull, first and last round."""
 
 
-@dataclass(frozen=True)
-class Fit:
-    """A pose of the source, and how well both surfaces meet in it.
-
-    Attributes
-    ----------
-    pose : Pose
-    moved : (n, 3) float64
-        Source points in that pose.
-    partner : (n,) int64
-        Nearest target point, in position and normal.
-    found : (n,) float64
-        How well each source point found the target, in [0, 1].
-    found_back : (m,) float64
-        How well each target point found the source.
-    strain : float
-        Mean square disagreement of neighbouring nodes, in units of the area.
-    held : float
-        Share of the body that holds together, in [0, 1]: the mean of `NodeGraph.held`.
-    """
-
-    pose: Pose
-    moved: Float
-    partner: Int
-    found: Float
-    found_back: Float
-    strain: float
-    held: float
-
-    @property
-    def score(self) -> float:
-        """What was found of both surfaces and what holds together of the body, less what the strain costs."""
-        return self.seen + HELD_WORTH * self.held - STRAIN_COST * self.strain
-
-    @property
-    def seen(self) -> float:
-        """Share of the source that found the target plus share of the target that found the source."""
-        return float(self.found.mean() + self.found_back.mean())
-
-
 class Registration:
     """A pair of clouds, prepared to try many maps. All lengths are in units of sqrt(area).
 
@@ -123,6 +81,8 @@ class Registration:
         Target points that are looked for.
     look_back : (b,) int64
         Target points that look for the source.
+    shown : (Visibility, Visibility), optional
+        Of the source and of the target; without them both show everything.
     """
 
     def __init__(
@@ -135,8 +95,9 @@ class Registration:
         target_normals: Float,
         among: Int,
         look_back: Int,
+        shown: tuple[Visibility, Visibility] | None = None,
     ) -> None:
-        self.graph, self.attachment = graph, attachment
+        self.graph, self.attachment, self._shown = graph, attachment, shown
         self.points, self.normals = points, normals
         self.target_points, self.target_normals = target_points, target_normals
         self._back_points, self._back_normals = target_points[look_back], target_normals[look_back]
@@ -153,6 +114,7 @@ class Registration:
         rows: Int,
         among: Int,
         look_back: Int,
+        shown: tuple[Visibility, Visibility] | None = None,
     ) -> "Registration":
         """Some points of a cloud, all of which hang on the nodes, against another cloud.
 
@@ -168,9 +130,11 @@ class Registration:
             Target points that are looked for.
         look_back : (b,) int64
             Target points that look for the source.
+        shown
+            As for `Registration`.
         """
         points, normals, hang = source.points[rows], source.normals[rows], attachment.rows(rows)
-        return cls(graph, points, normals, hang, target.points, target.normals, among, look_back)
+        return cls(graph, points, normals, hang, target.points, target.normals, among, look_back, shown)
 
     def follow(self, goal: Float, goal_normals: Float, schedule: Schedule) -> Pose:
         """Deform the source along a map; points that their neighbours contradict count less.
@@ -238,15 +202,42 @@ class Registration:
     def judge(self, pose: Pose) -> Fit:
         """The fit of a pose: how well both surfaces find each other in it."""
         here, normals, near, back = self._meet(pose)
+        met = found(here, normals, self.target_points[near], self.target_normals[near])
+        met_back = found(here[back], normals[back], self._back_points, self._back_normals)
         return Fit(
             pose,
             here,
             near,
-            found(here, normals, self.target_points[near], self.target_normals[near]),
-            found(here[back], normals[back], self._back_points, self._back_normals),
+            met,
+            met_back,
+            self._missed(pose, here, normals, back, met, met_back),
             self.graph.strain(pose),
             float(self.graph.held(pose).mean()),
         )
+
+    def _missed(
+        self, pose: Pose, here: Float, normals: Float, back: Int, met: Float, met_back: Float
+    ) -> float:
+        """`Fit.missed`: of points in a pose, and of target points that find the nearest ones, `back`.
+
+        Target points are taken to where they would lie on the undeformed source, rigidly with the node that
+        moves the point they found most.
+        """
+        if self._shown is None:
+            return float(2 - met.mean() - met_back.mean())
+        source, target = self._shown
+        turns = pose.rotations[self._main_node[back]]
+        offset = np.einsum("nji,nj->ni", turns, self._back_points - here[back])
+        rest_normals = np.einsum("nji,nj->ni", turns, self._back_normals)
+        expected = np.maximum(target.expected(here, normals), met)
+        expected_back = np.maximum(source.expected(self.points[back] + offset, rest_normals), met_back)
+        return float((expected * (1 - met)).mean() + (expected_back * (1 - met_back)).mean())
+
+    @cached_property
+    def _main_node(self) -> Int:
+        """Node that moves each point most, (n,)."""
+        most = self.attachment.weights.argmax(axis=1)
+        return np.asarray(self.attachment.nodes[np.arange(len(most)), most])
 
     def _meet(self, pose: Pose) -> tuple[Float, Float, Int, Int]:
         """Points and normals in a pose, their nearest target points, and whom the target points find."""

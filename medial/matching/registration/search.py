@@ -13,6 +13,8 @@ from medial.matching.registration.placement import UNMOVED, unmoved
 
 INVERTED = 8
 """Fits of each direction that are inverted for the other one, before and after parts are exchanged."""
+RIVAL = 0.15
+"""Fits whose score is within this of the best may be right instead of it."""
 WITHIN = 0.25
 """After that, fits whose score is lower than the best by more than this are not inverted."""
 
@@ -85,6 +87,11 @@ def moving(fits: list[DirectedFit]) -> list[DirectedFit]:
     return [fit for fit in fits if unmoved(fit) <= UNMOVED] or fits
 
 
-def most_seen(fits: list[DirectedFit]) -> float:
-    """The largest `Fit.seen` of the fits that do not leave the body where it is; in [0, 2]."""
-    return max((fit.seen for fit in fits if unmoved(fit) <= UNMOVED), default=0.0)
+def surely_seen(fits: list[DirectedFit]) -> float:
+    """The least `Fit.seen` of the best fits that do not leave the body where it is; in [0, 2].
+
+    A rival of nearly the same score that sees much less says that the scans may share little surface.
+    """
+    kept = [fit for fit in fits if unmoved(fit) <= UNMOVED]
+    best = max((fit.score for fit in kept), default=0.0)
+    return min((fit.seen for fit in kept if fit.score > best - RIVAL), default=0.0)

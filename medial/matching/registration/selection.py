@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from datasets_gen.compiled import run_tasks
 from medial.matching.config import MatchConfig
 from medial.matching.registration.direction import DirectedFit, Direction
+from medial.matching.registration.fit import Fit
 from medial.matching.registration.placement import MARGIN, Placement
 from medial.matching.registration.refinement import DenseFit, FineDeformation
-from medial.matching.registration.registration import Fit
 
 Float = NDArray[np.float64]
 
@@ -64,21 +64,21 @@ class FineSelection:
         like = np.array([each.like(self._placements[leader]) for each in self._placements])
         merits = np.array([each.merit for each in self._placements])
         near = self._finalists(np.where(like & (scores > scores[leader] - LEVEL), merits, -np.inf))
-        worth = {k: scores[k] + SETTLED * self._settled[k].seen for k in (leader, *near)}
+        worth = {k: scores[k] + SETTLED * self._settled[k].agreement for k in (leader, *near)}
         level = [k for k in worth if worth[k] > worth[leader] - LEVEL]
         best = max(level, key=lambda k: merits[k] + self._settled[k].score - self._fits[k].score)
         return best, self._dense(best, self._settled[best])
 
     def _best(self, values: Float) -> int:
         """The fit of the highest value after those of high value were settled finely."""
-        return max(self._finalists(values), key=lambda k: values[k] + SETTLED * self._settled[k].seen)
+        return max(self._finalists(values), key=lambda k: values[k] + SETTLED * self._settled[k].agreement)
 
     def _finalists(self, values: Float) -> list[int]:
         """Fits of high value, settled finely; best first by what they were worth before that."""
         near = np.argsort(-values, kind="stable")[:JUDGED_FINELY]
         near = near[values[near] > values.max() - NEAR_BEST]
         self._judge(near, self._config.fine_nodes)
-        worth = values[near] + [SETTLED * self._judged[k].seen for k in near]
+        worth = values[near] + [SETTLED * self._judged[k].agreement for k in near]
         order = np.argsort(-worth, kind="stable")[: self._config.finalists]
         final = [int(k) for k in near[order[worth[order] > worth.max() - FINALIST]]]
         self._settle(final)

@@ -54,7 +54,7 @@ def test_a_search_that_sees_a_part_of_the_points_matches_all(whole, truth, monke
     found = match(figure(), whole[0], SMALL)
     assert len(found.source_to_target) == len(figure())
     assert len(np.unique(found.source_to_target)) > 350
-    assert errors(found, whole[0], truth).mean() < 1.3 * errors(whole[1], whole[0], truth).mean()
+    assert errors(found, whole[0], truth).mean() < 1.5 * errors(whole[1], whole[0], truth).mean()
 
 
 @settings(max_examples=3, deadline=None, derandomize=True, database=None)

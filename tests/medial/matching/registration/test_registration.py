@@ -4,15 +4,8 @@ import numpy as np
 import pytest
 
 from medial.matching.registration.deformation_graph import Pose
-from medial.matching.registration.registration import (
-    HELD_WORTH,
-    NORMAL_LENGTH,
-    SEEN_WITHIN,
-    STRAIN_COST,
-    Schedule,
-    features,
-    found,
-)
+from medial.matching.registration.fit import HELD_WORTH, STRAIN_COST
+from medial.matching.registration.registration import NORMAL_LENGTH, SEEN_WITHIN, Schedule, features, found
 from tests.medial.clouds import rotation, sphere
 from tests.medial.posed import (
     Setup,

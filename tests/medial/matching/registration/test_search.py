@@ -9,7 +9,7 @@ from medial import match
 from medial.matching.registration.direction import LIKE
 from medial.matching.registration.exchange import SAME_FIT, distinct
 from medial.matching.registration.placement import place
-from medial.matching.registration.search import forward_first, most_seen, moving, of, search
+from medial.matching.registration.search import forward_first, moving, of, search, surely_seen
 from tests.medial.matching.registration.directions import BENT, SMALL, Directions, true_landmarks
 from tests.medial.posed import bent_figure, figure, right_arm
 
@@ -74,8 +74,8 @@ def test_what_stays_in_place_counts_only_if_all_does(found, monkeypatch):
     monkeypatch.setattr("medial.matching.registration.search.unmoved", lambda fit: float(fit is found[0]))
     assert moving(found) == found[1:]
     assert moving(found[:1]) == found[:1]
-    assert most_seen(found[:1]) == 0
-    assert most_seen(found) == max(fit.seen for fit in found[1:])
+    assert surely_seen(found[:1]) == 0
+    assert surely_seen(found) == max(fit.seen for fit in found[1:])
 
 
 @pytest.mark.parametrize(("enough", "barely", "times"), [(0.0, 0.0, 1), (2.0, 0.0, 2), (2.0, 2.0, 1)])

@@ -55,7 +55,8 @@ def test_a_map_that_meets_less_of_the_surfaces_is_not_taken_for_its_paths(fits, 
 
     def less(self, k):
         found, share = settle(self, k), (1.0, 0.9)[k]
-        return replace(found, found=share * found.found, found_back=share * found.found_back)
+        missed = found.missed + (1 - share) * found.seen
+        return replace(found, found=share * found.found, found_back=share * found.found_back, missed=missed)
 
     monkeypatch.setattr(FineSelection, "_settled_finely", less)
     assert chosen(fits, 0.3 * ALIKE, 0.5 * LEVEL) == 0

@@ -1,0 +1,179 @@
+"""From where a scan was seen, and which surface it would therefore show: estimated from the cloud alone.
+
+Where a scan could not have seen the counterpart of a point, its absence says nothing; where it should have,
+it says that the map is wrong. Two scans from opposite sides share hardly any surface under the right map, and
+most of it after half a turn about the body's long axis: without visibility the wrong map looks better.
+
+A direction is one from which the scan was seen if points face it and nothing of the cloud is in front of them
+[KTB07 decide the same by hidden point removal]. Few directions are chosen, each the one that explains most of
+what is left; then each turns to the mean normal of the points that it explains best.
+
+References
+----------
+[KTB07] Katz, Tal, Basri: Direct visibility of point sets. SIGGRAPH 2007.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import minimum_filter
+from scipy.spatial import cKDTree
+
+Float = NDArray[np.float64]
+
+DIRECTIONS = 200
+"""Directions that are tried, even on the sphere."""
+MOST = 12
+"""At most so many are chosen."""
+GAIN = 0.03
+"""Mean gain in cosine between normals and the nearest direction from which one more is chosen."""
+TURNS = 4
+"""Rounds in which the directions turn."""
+FEWEST = 20
+"""Directions that explain fewer points stay."""
+GRAZING = 0.15
+"""Cosine between normal and direction below which a point is not seen."""
+SELDOM = 10.0
+"""Percentile of the cosines of seen points that counts as the least cosine that the scanner accepts."""
+SOFT = 0.1
+"""Cosines about the least one within which it is open whether a point is seen."""
+CELL = 2.0
+"""Width of a cell of the depth maps, in typical distances between neighbours."""
+BEHIND = 4.0
+"""What lies deeper than the nearest point of its cell by more of these distances is hidden."""
+
+
+@dataclass(frozen=True)
+class DepthMap:
+    """Depth of a cloud's nearest points in cells square to a direction.
+
+    Attributes
+    ----------
+    toward : (3,) float64
+        Unit vector to the viewer, who is far away.
+    axes : (3, 2) float64
+        Of the image.
+    corner : (2,) float64
+        Of the first cell.
+    cell, margin : float
+        Width of a cell, and how much deeper than the nearest point of the cell counts as hidden.
+    depth : (rows, columns) float64
+        Infinite where nothing is near.
+    """
+
+    toward: Float
+    axes: Float
+    corner: Float
+    cell: float
+    margin: float
+    depth: Float
+
+    @classmethod
+    def of(cls, points: Float, toward: Float, spacing: float) -> "DepthMap":
+        """Depth map of points (n, 3)."""
+        side = np.cross(toward, np.eye(3)[np.abs(toward).argmin()])
+        side /= np.linalg.norm(side)
+        axes = np.stack([side, np.cross(toward, side)], axis=1)
+        cell = CELL * spacing
+        image = points @ axes
+        corner = image.min(axis=0) - 2 * cell
+        place = np.floor((image - corner) / cell).astype(np.int64)
+        depth = np.full(tuple(place.max(axis=0) + 3), np.inf)
+        np.minimum.at(depth, (place[:, 0], place[:, 1]), -(points @ toward))
+        return cls(toward, axes, corner, cell, BEHIND * spacing, minimum_filter(depth, 3))
+
+    def free(self, points: Float) -> NDArray[np.bool_]:
+        """Whether nothing of the cloud lies between points (n, 3) and the viewer.
+
+        Surface steeper than some 45 degrees to the direction is hidden by its own neighbours: no scan is
+        expected to show it.
+        """
+        place = np.floor((points @ self.axes - self.corner) / self.cell).astype(np.int64)
+        inside = ((place >= 0) & (place < self.depth.shape)).all(axis=1)
+        row, column = np.clip(place, 0, np.array(self.depth.shape) - 1).T
+        front = np.where(inside, self.depth[row, column], np.inf)
+        return np.asarray(-(points @ self.toward) <= front + self.margin)
+
+
+@dataclass(frozen=True)
+class Visibility:
+    """Directions from which a cloud was seen.
+
+    Attributes
+    ----------
+    maps : tuple of DepthMap
+        One per direction.
+    least : float
+        Least cosine between normal and direction at which the scanner accepted points.
+    """
+
+    maps: tuple[DepthMap, ...]
+    least: float
+
+    @classmethod
+    def of(cls, points: Float, normals: Float) -> "Visibility":
+        """Estimate from where a cloud was seen.
+
+        Parameters
+        ----------
+        points, normals : (n, 3)
+            Normals are unit and outward.
+        """
+        spacing = float(np.median(cKDTree(points).query(points, k=2)[0][:, 1]))
+        maps = [DepthMap.of(points, toward, spacing) for toward in even_directions(DIRECTIONS)]
+        worth = _seen(points, normals, maps)
+        maps = [maps[k] for k in _explaining(worth)]
+        for _ in range(TURNS if maps else 0):
+            worth = _seen(points, normals, maps)
+            own = np.where(worth.max(axis=0) > 0, worth.argmax(axis=0), -1)
+            groups = [normals[own == k] for k in range(len(maps))]
+            toward = [
+                g.mean(axis=0) if len(g) > FEWEST else m.toward for g, m in zip(groups, maps, strict=True)
+            ]
+            maps = [DepthMap.of(points, each / np.linalg.norm(each), spacing) for each in toward]
+        best = _seen(points, normals, maps).max(axis=0, initial=0.0)
+        least = float(np.percentile(best[best > 0], SELDOM)) if (best > 0).any() else 1.0
+        return cls(tuple(maps), least)
+
+    def expected(self, points: Float, normals: Float) -> Float:
+        """How surely the scan would show surface there, in [0, 1].
+
+        Parameters
+        ----------
+        points, normals : (n, 3)
+        """
+        expected = np.zeros(len(points))
+        for each in self.maps:
+            facing = np.clip((normals @ each.toward - self.least) / (2 * SOFT) + 0.5, 0, 1)
+            expected = np.maximum(expected, facing * each.free(points))
+        return expected
+
+
+def _seen(points: Float, normals: Float, maps: list[DepthMap]) -> Float:
+    """Cosine between each point's normal and each direction; 0 where it is not seen, (d, n)."""
+    cosine = np.array([normals @ each.toward for each in maps]).reshape(len(maps), len(points))
+    free = np.array([each.free(points) for each in maps], dtype=bool).reshape(cosine.shape)
+    return np.where((cosine > GRAZING) & free, cosine, 0.0)
+
+
+def _explaining(worth: Float) -> list[int]:
+    """Directions (rows of (d, n)), each the one that adds most to the best cosines of the points."""
+    chosen: list[int] = []
+    best = np.zeros(worth.shape[1])
+    while len(chosen) < MOST:
+        gain = np.maximum(worth - best, 0).mean(axis=1)
+        if gain.max() < GAIN:
+            break
+        chosen.append(int(gain.argmax()))
+        best = np.maximum(best, worth[chosen[-1]])
+    return chosen
+
+
+def even_directions(count: int) -> Float:
+    """Spherical Fibonacci points, (count, 3)."""
+    index = np.arange(count)
+    y = 1 - (2 * index + 1) / count
+    angle = np.pi * (3 - np.sqrt(5)) * index
+    radius = np.sqrt(1 - y**2)
+    return np.stack([radius * np.cos(angle), y, radius * np.sin(angle)], axis=1)

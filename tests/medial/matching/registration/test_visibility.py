@@ -1,0 +1,73 @@
+"""From where a cloud was seen, and what it would therefore show, against geometry that is known."""
+
+import numpy as np
+import pytest
+
+from medial.matching.registration.visibility import DepthMap, Visibility, even_directions
+
+
+def sphere(n=3000, centre=(0.0, 0.0, 0.0), radius=1.0):
+    normals = even_directions(n)
+    return radius * normals + np.array(centre), normals
+
+
+def seen_from(toward, points, normals, least=0.3):
+    kept = normals @ (np.asarray(toward) / np.linalg.norm(toward)) > least
+    return points[kept], normals[kept]
+
+
+def test_even_directions_are_unit_and_balanced():
+    directions = even_directions(200)
+    assert np.allclose(np.linalg.norm(directions, axis=1), 1)
+    assert np.abs(directions.mean(axis=0)).max() < 0.01
+
+
+def test_a_sphere_seen_from_one_side_shows_that_side_alone():
+    points, normals = sphere()
+    shown = Visibility.of(*seen_from((0, 0, 1), points, normals))
+    assert all(each.toward[2] > 0.5 for each in shown.maps)
+    expected = shown.expected(points, normals)
+    assert expected[normals[:, 2] > 0.7].mean() > 0.85
+    assert expected[normals[:, 2] > 0.9].min() > 0.5
+    assert expected[normals[:, 2] < -0.1].max() == 0
+
+
+def test_a_sphere_seen_from_all_sides_shows_everything():
+    points, normals = sphere()
+    shown = Visibility.of(points, normals)
+    assert shown.expected(points, normals).mean() > 0.8  # the rest is steep to every direction
+
+
+def test_what_lies_behind_the_cloud_is_hidden():
+    points, normals = sphere()
+    near, near_normals = seen_from((0, 0, 1), points, normals)
+    each = DepthMap.of(near, np.array([0.0, 0.0, 1.0]), 0.06)
+    assert each.free(near[near_normals[:, 2] > 0.85]).all()
+    assert not each.free(np.array([[0.0, 0.0, -3.0]]))[0]
+    assert each.free(np.array([[2.0, 0.0, -3.0]]))[0]
+
+
+@pytest.mark.parametrize("angle", [20.0, 40.0])
+def test_directions_are_found_where_the_scanner_stood(angle):
+    """Two cameras: the directions of the cloud lie within the cone that they span."""
+    points, normals = sphere()
+    tilt = np.radians(angle)
+    eyes = np.array([[np.sin(tilt), 0, np.cos(tilt)], [-np.sin(tilt), 0, np.cos(tilt)]])
+    kept = (normals @ eyes.T).max(axis=1) > 0.7
+    shown = Visibility.of(points[kept], normals[kept])
+    for each in shown.maps:
+        assert (eyes @ each.toward).max() > np.cos(np.radians(40))
+    assert 0.5 < shown.least < 0.95
+
+
+def test_visibility_turns_and_scales_with_the_cloud():
+    from scipy.spatial.transform import Rotation
+
+    points, normals = seen_from((0, 0, 1), *sphere())
+    turn = Rotation.from_rotvec([0.3, -1.0, 0.5])
+    probes = even_directions(300)
+    before = Visibility.of(points, normals).expected(probes, probes)
+    after = Visibility.of(3 * turn.apply(points), turn.apply(normals)).expected(
+        3 * turn.apply(probes), turn.apply(probes)
+    )
+    assert np.abs(before - after).mean() < 0.15
