@@ -99,9 +99,14 @@ def _fits(value: Any, hint: Any) -> bool:
     if kind is UnionType:
         return any(_fits(value, part) for part in parts)
     if kind is Literal:
-        return isinstance(value, str) and value in parts
+        return any(type(value) is type(part) and value == part for part in parts)
     if kind is tuple:
-        return isinstance(value, tuple | list) and all(_fits(each, parts[0]) for each in value)
+        fixed = Ellipsis not in parts
+        return (
+            isinstance(value, tuple | list)
+            and all(_fits(each, parts[0]) for each in value)
+            and not (fixed and len(value) != len(parts))
+        )
     if kind is Mapping:
         return isinstance(value, Mapping)
     if kind is int or kind is float:
@@ -116,6 +121,8 @@ def _words(hint: Any) -> str:
         return " or ".join(_words(part) for part in parts)
     if kind is Literal:
         return f"one of {', '.join(map(repr, parts))}"
+    if kind is tuple and Ellipsis not in parts:
+        return f"a list of {len(parts)}, each {_words(parts[0])}"
     if kind is tuple:
         return f"a list, each {_words(parts[0])}" if parts[0] in _WORDS else "a list"
     return "a table" if kind is Mapping else _WORDS[kind]

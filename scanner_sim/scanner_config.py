@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 from datasets_gen.records import InputError
+from datasets_gen.values import check_types
 from scanner_sim.optics.viewpoints import Views, as_tuples, check_views
 from scanner_sim.presets import expanded, nearest
-from scanner_sim.scanner_rules import check_types, check_values
+from scanner_sim.scanner_rules import check_values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,7 +179,8 @@ class ScannerConfig:
             value = getattr(self, name)
             if isinstance(value, list):
                 object.__setattr__(self, name, tuple(value))
-        check_types(self)
+        plain = {name: value for name, value in vars(self).items() if name not in ("views", "material")}
+        check_types(type(self), plain, "scanner setting")
         check_values(self)
 
     @classmethod

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any
 
 from datasets_gen.records import InputError
 
@@ -76,37 +76,6 @@ def _invertible(config: ScannerConfig) -> bool:
     corner = 1.5 * math.hypot(*config.resolution) / 2 / config.focal
     squares = [(corner * i / 64) ** 2 for i in range(65)]
     return all(1 + 3 * k1 * s + 5 * k2 * s * s > 0.3 for s in squares)
-
-
-def check_types(config: ScannerConfig) -> None:
-    """Raise InputError for values of another type or, where there are choices, another word."""
-    for name, hint in get_type_hints(type(config)).items():
-        value = getattr(config, name)
-        if name in ("views", "material"):
-            continue
-        if get_origin(hint) is Literal:
-            ok, wanted = value in get_args(hint), f"one of {', '.join(map(repr, get_args(hint)))}"
-        elif get_origin(hint) is tuple:
-            kind, count = get_args(hint)[0], len(get_args(hint))
-            ok = isinstance(value, tuple) and len(value) == count and all(_is(kind, x) for x in value)
-            wanted = f"{'two' if count == 2 else 'three'} {'whole numbers' if kind is int else 'numbers'}"
-        else:
-            kinds = get_args(hint) or (hint,)
-            ok, wanted = any(_is(kind, value) for kind in kinds), _WANTED[kinds[0]]
-        if not ok:
-            raise InputError(f"scanner setting {name} must be {wanted}, got {value!r}")
-
-
-_WANTED: dict[Any, str] = {bool: "true or false", int: "a whole number", float: "a finite number"}
-
-
-def _is(kind: Any, value: object) -> bool:
-    """Whether a value may stand for a type: whole numbers are numbers, truth values are not."""
-    if kind in (int, float) and isinstance(value, bool):
-        return False
-    if kind is float:
-        return isinstance(value, int | float) and math.isfinite(value)
-    return isinstance(value, kind)
 
 
 def check_values(config: ScannerConfig) -> None:

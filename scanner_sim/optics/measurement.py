@@ -112,20 +112,18 @@ def samples(
     """Intensities over time of the lit pixels of a view; parameters as for `measure`."""
     lit = contributions(hits, config)
     swept = stripe.swept_stripes(lit.laser, config, config.wedge / 2 if indirect else 0.0)
-    light = lit.gather(swept, lit.amplitude)
-    cast = lit.gather(swept, lit.share) if config.noise > 0 else light  # bounds the reference's speckle
+    rows = [lit.gather(swept, lit.amplitude)]
+    if config.noise > 0:  # the stripe's own radiance bounds the reference's speckle
+        rows.append(lit.gather(swept, lit.share))
     if config.footprint > 1 or config.translucency > 0:
-        kept = brightest_rows(lit, light.largest(), hits, config)
-        lit, light, cast = (
-            lit.select(kept),
-            light.select(np.flatnonzero(kept)),
-            cast.select(np.flatnonzero(kept)),
-        )
+        kept = brightest_rows(lit, rows[0].largest(), hits, config)
+        lit, rows = lit.select(kept), [each.select(np.flatnonzero(kept)) for each in rows]
     pixels = hits.pixels[lit.hit[np.searchsorted(lit.row, np.arange(lit.rows))]]
     if config.smoothing > 0 and config.smoothing_stage == "light":
-        light, cast = blurred(pixels, light, config), blurred(pixels, cast, config)
-        brightest = light.brightest_runs()
-        light, cast = light.cut(*brightest), cast.cut(*brightest)
+        rows = [blurred(pixels, each, config) for each in rows]
+        brightest = rows[0].brightest_runs()
+        rows = [each.cut(*brightest) for each in rows]
+    light, cast = rows[0], rows[-1]
     if indirect is not None:
         light = Rows(light.first, light.stop, light.values + indirect(pixels, swept).ravel())
     stored, ceiling = _stored(pixels, light, cast, lit.total(lit.ambient), config, seed, view)
