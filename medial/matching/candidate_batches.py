@@ -67,7 +67,12 @@ def _first_part(directions: list[Direction], starts: list[Int]) -> int:
 
 
 def sets_by_diffusion(direction: Direction, starts: Int) -> list[Int]:
-    """Landmark sets by Eq. 16 from first landmarks: (L, 2) source and target points of the pair each."""
+    """Landmark sets by Eq. 16 from first landmarks: (L, 2) source and target points of the pair each.
+
+    None where Eq. 16 is not asked (`MatchConfig.by_diffusion`).
+    """
+    if not direction.pair.config.by_diffusion:
+        return []
     here, there, pair = direction.source.descriptors, direction.target.descriptors, direction.pair
     return [_reversed(direction, s) for s in diffusion_sets(here, there, pair.times, pair.config, starts)]
 

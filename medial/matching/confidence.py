@@ -1,38 +1,48 @@
 """Confidence of matches.
 
 A match is sure if the surfaces meet there, no other part of the body comes to lie there, its part of the body
-is not torn off, and no other map fits as well.
+is not torn off, and no other map is as likely.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from medial.matching.registration.deformation_graph import Attachment
+from medial.matching.registration.evidence import Weights, probabilities
 from medial.matching.registration.placement import Placement
 from medial.matching.registration.refinement import DenseFit
+from medial.matching.registration.selection import Rival
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
-RIVAL_TEMPERATURE = 0.03
-"""A map that is worse by this, in score or merit (`Placement.lead`), is e times less likely."""
 SAME_PLACE = 0.1
 """Samples placed closer than this, in sqrt(area), agree."""
 
 
 def confidence_of_fit(
-    dense: DenseFit, best: Placement, placements: list[Placement], attachment: Attachment, samples: Int
+    weights: Weights,
+    dense: DenseFit,
+    number: int,
+    rivals: list[Rival],
+    placements: list[Placement],
+    attachment: Attachment,
+    samples: Int,
 ) -> Float:
     """How far each match can be trusted: the product of four shares.
 
     Parameters
     ----------
+    weights
+        Of the evidence.
     dense
-        The final map.
-    best
-        The quick fit that it came from.
+        The map.
+    number
+        Position of the quick fit that it came from.
+    rivals
+        What it is compared with, itself among them.
     placements
-        All distinct quick fits, of both directions.
+        Of the quick fits.
     attachment
         How the source points hang on the nodes of the quick fits.
     samples : (s,) int64
@@ -43,9 +53,11 @@ def confidence_of_fit(
     (n,) float64
         In [0, 1].
     """
-    weights = np.exp([min(0.0, -best.lead(fit) / RIVAL_TEMPERATURE) for fit in placements])
-    agree = [np.linalg.norm(fit.places - best.places, axis=1) < SAME_PLACE for fit in placements]
-    shared = (weights[:, None] * np.array(agree)).sum(axis=0) / weights.sum()  # (s,)
+    best = placements[number]
+    odds = probabilities(weights, np.array([each.log_likelihood for each in rivals]))
+    there = [placements[each.number].places for each in rivals]
+    agree = [np.linalg.norm(places - best.places, axis=1) < SAME_PLACE for places in there]
+    shared = odds @ np.array(agree)  # (s,)
     undisputed = attachment.smoothed(samples, shared)
     return np.clip(undisputed * dense.held * dense.alone * dense.found, 0, 1)
 

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 from datasets_gen.records import InputError
 from datasets_gen.values import CheckedSettings, check_count
 from medial.departures import Departures
+from medial.matching.registration.evidence import KINDS, Kind
 
 FEWEST_NODES = 8
 """A deformation with fewer nodes than this does not bend where a body bends."""
@@ -49,6 +50,9 @@ class MatchConfig(CheckedSettings):
     """What picks a map: the lowest cost of Eq. 17, or how well the deformed source fits the target."""
     both_ways: bool = True
     """Also deform the target onto the source; the better fit wins. Only with selection ``"fit"``."""
+    by_diffusion: bool = True
+    """Try landmark sets by Eq. 16. Without, those by path length and rigid motions are left: what diffusion
+    is worth. Only with selection ``"fit"``."""
     rigid_starts: bool = True
     """Where no landmark set makes the surfaces meet, start from rigid motions too, principal axes on
     principal axes; only with selection ``"fit"``."""
@@ -60,8 +64,12 @@ class MatchConfig(CheckedSettings):
     """Nodes of the quick deformations."""
     fine_nodes: int = 200
     """Nodes of the final deformation."""
-    finalists: int = 3
+    finalists: int = 8
     """Maps of nearly the best score that are deformed finely before one is picked."""
+    evidence: tuple[Kind, ...] = KINDS
+    """What maps are compared by, beside surface that meets (`registration.evidence`): ``"visibility"`` (what
+    the other scan could not have seen costs nothing), ``"strain"`` (and torn edges), ``"paths"`` (their
+    lengths), ``"medial"`` (the medial balls of both meet). Only with selection ``"fit"``."""
     departures: Departures | None = None
     """What differs from the equations, or ``"all"``, ``"none"``, or truth values by name; None takes what the
     operators were built with. Matching looks at `area_normalised_kernels` (Eqs. 16-17) and, in
@@ -74,6 +82,10 @@ class MatchConfig(CheckedSettings):
             object.__setattr__(self, "departures", Departures.of(self.departures))
         for name, low in _LEAST.items():
             check_count(getattr(self, name), f"match setting {name}", low)
+        object.__setattr__(self, "evidence", tuple(self.evidence))
+        for kind in self.evidence:
+            if kind not in KINDS:
+                raise InputError(f"match setting evidence holds {kind!r}; choose from {', '.join(KINDS)}")
         if not 0 < self.candidates <= 1:
             raise InputError(f"match setting candidates must lie in (0, 1], got {self.candidates!r}")
 

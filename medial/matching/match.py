@@ -10,8 +10,9 @@ With `MatchConfig.paper()` this is Sec. 4: `match_by_cost`. By default it is `ma
    makes them meet,
 5. exchange parts between settled fits, as one may have the arms right and another one the legs, and invert
    fits for the opposite direction (`registration.search`),
-6. select the best one, which is refined with more nodes; points of the two clouds that come to lie together
-   are matches (`registration.selection`),
+6. add rivals on purpose, the best fit turned by half a turn; deform the good ones with more nodes, and select
+   the most likely one by all evidence (`registration.selection`, `registration.evidence`); points of the two
+   clouds that come to lie together are matches,
 7. say how far each match can be trusted (`confidence`, `mirror_check`).
 """
 
@@ -40,14 +41,25 @@ from medial.matching.nearest import single_blas_thread
 from medial.matching.prepared import PreparedPair, prepare_pair
 from medial.matching.registration.direction import DirectedFit, Direction, pair_directions
 from medial.matching.registration.placement import place
-from medial.matching.registration.search import follow, forward_first, moving, search, settle, surely_seen
-from medial.matching.registration.selection import FineSelection
-from medial.matching.result import UNCHECKED, Matching
+from medial.matching.registration.refinement import DenseFit
+from medial.matching.registration.search import (
+    follow,
+    forward_first,
+    half_turned,
+    moving,
+    search,
+    settle,
+    surely_seen,
+)
+from medial.matching.registration.selection import Finalist, FineSelection, groups
+from medial.matching.result import UNCHECKED, Alternative, Matching
 from medial.matching.zoomout import spectral_refinement
 
 ENOUGH = 1.35
 """Share of the source that is found plus share of the target, in [0, 2], from which no further landmark sets
 are tried and the search does not go on once more."""
+WORTH_SAYING = 0.05
+"""Probability from which another map is given as an alternative."""
 BARELY = 1.1
 """The same, up to which the search does not go on either: where half of each surface has no counterpart, what
 scores better after more of it is wrong as often as right."""
@@ -190,11 +202,13 @@ def match_by_fit(
         more_followed = follow(directions, more)
         settled += settle(directions, more_followed)
         tried, followed = tried + more, followed + more_followed
-        if pair.config.rigid_starts:
+        if pair.config.rigid_starts or not settled:
             settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
     fits = moving(search(directions, moving(settled)))
     if further is not None and BARELY < surely_seen(fits) < ENOUGH:
         fits = moving(search(directions, fits))
+    if further is not None and surely_seen(fits) < ENOUGH:
+        fits = moving(fits + half_turned(directions, fits))
     return _of_fits(pair, directions, forward_first(tried), forward_first(followed), fits)
 
 
@@ -216,28 +230,45 @@ def _of_fits(
     """
     config = pair.config
     starts, placements = run_tasks(place, [(f,) for f in followed]), run_tasks(place, [(f,) for f in fits])
-    best, dense = FineSelection(fits, placements, config).choose()
-    at = placements[best]
-    gaps = np.array([at.gap(start) for start in starts])
+    selection = FineSelection(fits, placements, config)
+    finalists = selection.finalists()
+    rivals, weights = selection.rivals(finalists), directions[0].weights
+    best = finalists[0]
+    (_, probability), *others = groups(weights, rivals, placements)
+    at, samples = placements[best.number], pair.source.descriptors.samples
     forward = [c for c in tried if not c.backward]
+
+    def believed(dense: DenseFit, number: int) -> NDArray[np.float64]:
+        hang = directions[0].attachment
+        return confidence_of_fit(weights, dense, number, rivals, placements, hang, samples)
+
+    dense = selection.dense(best)
     mapped = dense.match
-    if config.refine != "deform" and not config.recombine:
+    gaps = np.array([at.gap(start) for start in starts])
+    if config.refine != "deform" and not config.recombine and forward:
         mapped = forward[int(gaps[: len(forward)].argmin())].dense()
     if config.refine == "spectral":
         mapped = spectral_refinement(*pair.diffusions, mapped)
-    chosen = int(gaps.argmin())
-    landmarks = tried[chosen].landmarks[:, 0]
+    chosen = int(gaps.argmin()) if tried else 0
+    landmarks = tried[chosen].landmarks[:, 0] if tried else np.zeros(0, np.int64)
+    alternatives = []
+    for other, share in others if config.refine == "deform" else []:
+        if share >= WORTH_SAYING and isinstance(other, Finalist):
+            instead = selection.dense(other)
+            alternatives.append(Alternative(share, instead.match, believed(instead, other.number)))
     return Matching(
         source_to_target=mapped,
         landmarks=np.column_stack([landmarks, mapped[landmarks]]),
-        cost=tried[chosen].cost,
-        confidence=confidence_of_fit(
-            dense, at, placements, directions[0].attachment, pair.source.descriptors.samples
-        ),
+        cost=tried[chosen].cost if tried else float("nan"),
+        confidence=believed(dense, best.number),
         restarts=restarts_table(tried, np.array([start.score for start in starts]), chosen),
-        mirror_check=mirror_verdict(at, placements, forward, pair.target.cloud),
+        mirror_check=mirror_verdict(
+            at, [(placements[o.number], share) for o, share in others], forward, pair.target.cloud
+        ),
         seed=pair.seed,
         config=config,
+        probability=probability,
+        alternatives=tuple(alternatives),
     )
 
 

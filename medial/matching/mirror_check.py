@@ -6,14 +6,17 @@ one. Rigid pieces cannot be mirrored, so the fit decides, unless another map fit
 
 from medial.matching.common_units import CloudInUnits
 from medial.matching.landmarks.candidates import Candidate
-from medial.matching.registration.placement import MARGIN, Placement
+from medial.matching.registration.placement import Placement
+from medial.matching.result import UNCHECKED
 
+LIKELY = 0.25
+"""Probability of all other maps together from which it is open which one is right."""
 RIVAL = 0.1
 """Mean distance, in sqrt(area), from which two maps are different ones."""
 
 
 def mirror_verdict(
-    best: Placement, placements: list[Placement], forward: list[Candidate], target: CloudInUnits
+    best: Placement, others: list[tuple[Placement, float]], forward: list[Candidate], target: CloudInUnits
 ) -> str:
     """Whether the selected map is the one of the lowest cost of Eq. 17.
 
@@ -21,19 +24,21 @@ def mirror_verdict(
     ----------
     best
         Of the selected fit.
-    placements
-        Of all distinct fits, of both directions.
+    others
+        Other maps and their probabilities.
     forward
         Candidates that map the source onto the target. Those by path length have no cost, and no say.
     target
 
     Returns
     -------
-    {"agrees", "overruled", "undecided"}
-        It is; it is another one; or another map leads to a fit that is about as good (`Placement.lead`).
+    {"agrees", "overruled", "undecided", "unchecked"}
+        It is; it is another one; other maps are about as likely; or Eq. 17 prefers none.
     """
-    if any(best.gap(other) > RIVAL and best.lead(other) < MARGIN for other in placements):
+    if sum(probability for other, probability in others if best.gap(other) > RIVAL) >= LIKELY:
         return "undecided"
-    by_cost = min((c for c in forward if not c.by_paths), key=lambda c: c.cost)
-    preferred = Placement(target.points[by_cost.at_samples], 0.0, 0.0)
+    by_cost = min((c for c in forward if not c.by_paths), key=lambda c: c.cost, default=None)
+    if by_cost is None:
+        return UNCHECKED
+    preferred = Placement(target.points[by_cost.at_samples], 0.0)
     return "overruled" if best.gap(preferred) > RIVAL else "agrees"

@@ -19,6 +19,25 @@ CONFIDENT = 0.5
 """Confidence from which a point counts as matched."""
 
 
+@dataclass(frozen=True)
+class Alternative:
+    """A map that may be right instead of the chosen one, such as the body turned by half a turn.
+
+    Attributes
+    ----------
+    probability : float
+        In (0, 1); that of the chosen map is `Matching.probability`, and all add up to at most 1.
+    source_to_target : (n_source,) int64
+        Target point of every source point.
+    confidence : (n_source,) float64
+        In [0, 1]; not more than the probability where it differs from the chosen map.
+    """
+
+    probability: float
+    source_to_target: Int
+    confidence: Float
+
+
 @dataclass(frozen=True, repr=False)
 class Matching:
     """A dense correspondence from one cloud to another.
@@ -54,6 +73,11 @@ class Matching:
         The clouds, in their own units, where a file holds them.
     about : dict
         Further facts for the record, such as the method; values that JSON can hold.
+    probability : float
+        That the chosen map, or one that differs from it by no more than a limb, is the right one among those
+        found; NaN where nothing was compared.
+    alternatives : tuple of Alternative
+        Maps that are less probable, though not by much; the most probable first.
     """
 
     source_to_target: Int
@@ -67,6 +91,8 @@ class Matching:
     source_points: Float | None = None
     target_points: Float | None = None
     about: dict[str, Any] = field(default_factory=dict)
+    probability: float = float("nan")
+    alternatives: tuple[Alternative, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of source points."""
@@ -76,8 +102,32 @@ class Matching:
         """Say in one line how many points are matched, and how surely."""
         sure = float(self.confidence.mean()) if len(self) else 0.0
         doubt = ", mirror check undecided" if self.mirror_check == "undecided" else ""
+        if self.alternatives:
+            likely = " ".join(f"{each.probability:.2f}" for each in self.alternatives)
+            doubt += f", {self.probability:.2f} against {likely} for other maps"
         counts = f"{len(self)} points, {len(self.landmarks)} landmarks"
         return f"Matching({counts}, mean confidence {sure:.2f}{doubt})"
+
+    def as_alternatives(self) -> "list[Matching]":
+        """Each alternative as a map of its own.
+
+        Returns
+        -------
+        list of Matching
+            With the landmarks where it sends them.
+        """
+        return [
+            replace(
+                self,
+                source_to_target=each.source_to_target,
+                landmarks=np.column_stack([starts, each.source_to_target[starts]]),
+                confidence=each.confidence,
+                probability=each.probability,
+                alternatives=(),
+            )
+            for starts in [self.landmarks[:, 0]]
+            for each in self.alternatives
+        ]
 
     def extended(self, nearest: Int, source_ids: Int, target_ids: Int) -> "Matching":
         """The map between the whole clouds that the matched points were picked from.
@@ -94,14 +144,22 @@ class Matching:
         Matching
             All its point ids are those of the whole clouds.
         """
-        image = np.where(self.source_to_target < 0, -1, target_ids[self.source_to_target])
+
+        def whole(matched: Int) -> Int:
+            image = np.where(matched < 0, -1, target_ids[matched])
+            return np.asarray(image[nearest], dtype=np.int64)
+
         restarts = dict(self.restarts)
         for name, ids in (("first", source_ids), ("partner", target_ids)):
             if name in restarts:
                 restarts[name] = ids[restarts[name]]
         return replace(
             self,
-            source_to_target=image[nearest].astype(np.int64),
+            source_to_target=whole(self.source_to_target),
+            alternatives=tuple(
+                Alternative(each.probability, whole(each.source_to_target), each.confidence[nearest])
+                for each in self.alternatives
+            ),
             confidence=self.confidence[nearest],
             landmarks=np.column_stack([source_ids[self.landmarks[:, 0]], target_ids[self.landmarks[:, 1]]]),
             restarts=restarts,
@@ -112,10 +170,13 @@ class Matching:
         arrays: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in _ARRAYS}
         arrays |= {name: cloud for name in _CLOUDS if (cloud := getattr(self, name)) is not None}
         arrays |= {_TABLE + name: column for name, column in self.restarts.items()}
+        if self.alternatives:
+            arrays[_OTHERS] = np.stack([each.source_to_target for each in self.alternatives])
+            arrays[_OTHERS_CONFIDENCE] = np.stack([each.confidence for each in self.alternatives])
+            arrays[_PROBABILITIES] = np.array([each.probability for each in self.alternatives])
         meta = {name: getattr(self, name) for name in ("mirror_check", "seed", "about")}
-        save_record(
-            path, "Matching", arrays, meta | {"cost": float(self.cost), "config": asdict(self.config)}
-        )
+        meta |= {name: float(getattr(self, name)) for name in ("cost", "probability")}
+        save_record(path, "Matching", arrays, meta | {"config": asdict(self.config)})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Matching":
@@ -136,6 +197,7 @@ class Matching:
         with unpacking(path, "Matching"):
             meta["config"].pop("first_mode", None)  # was always 1 unless someone changed it
             meta["config"] = MatchConfig.from_dict(meta["config"])
+            meta["alternatives"] = _alternatives(arrays)
             return cls(**arrays, **meta, restarts=table)
 
 
@@ -152,8 +214,21 @@ def _read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]
     return arrays, kept | {"about": meta, "config": asdict(MatchConfig())}
 
 
+def _alternatives(arrays: dict[str, Any]) -> tuple[Alternative, ...]:
+    """Taken out of the arrays of a file."""
+    if _OTHERS not in arrays:
+        return ()
+    columns = arrays.pop(_PROBABILITIES), arrays.pop(_OTHERS), arrays.pop(_OTHERS_CONFIDENCE)
+    return tuple(
+        Alternative(float(p), np.asarray(m, np.int64), np.asarray(c, np.float64))
+        for p, m, c in zip(*columns, strict=True)
+    )
+
+
 _ARRAYS = ("source_to_target", "landmarks", "confidence")
 _CLOUDS = ("source_points", "target_points")
 _TABLE = "restarts_"
+_OTHERS, _OTHERS_CONFIDENCE = "alternatives", "alternative_confidence"
+_PROBABILITIES = "alternative_probabilities"
 _OLD_WORDS = {"kept": "agrees", "flipped": "overruled"}
 """What files called the mirror check before it had its name."""

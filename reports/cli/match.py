@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from reports.cli.console import Command, Failure, say
+from reports.cli.map_alternatives import said_of_alternatives, write_alternatives
 from reports.cli.map_options import (
     check_map_outputs,
     draw_map,
@@ -47,6 +48,11 @@ STEPS = (
     metavar="NAME=VALUE",
     help="An option of the method, as config=paper (the settings of Sec. 4); may be repeated.",
 )
+@click.option(
+    "--alternatives",
+    is_flag=True,
+    help="Also write (and draw) each other map that may be right instead, as OUT-2, OUT-3 ....",
+)
 def match(
     source: Path,
     target: Path,
@@ -60,13 +66,15 @@ def match(
     picture: Path | None,
     method: str,
     settings: tuple[str, ...],
+    alternatives: bool,
     quiet: bool,
 ) -> None:
     """Match two clouds: for every point of SOURCE, a point of TARGET.
 
     Both are .npz scans; .ply, .obj, .off or .xyz clouds (normals are estimated where there are none); or
     meshes, which are sampled. The map holds source_to_target (for each of source_points an index into
-    target_points), confidence in [0, 1] and landmarks (pairs of such indices).
+    target_points), confidence in [0, 1] and landmarks (pairs of such indices). Where the clouds leave open
+    which map is right, as front for back, the probability of the chosen one and of each other is said.
     """
     from reports.cli.output_paths import default_output
 
@@ -95,8 +103,14 @@ def match(
         next(step)
         found = matcher.match(sides[0], sides[1], seed=seed)
         next(step)
-        whole = write_map(out, here, there, found, {"method": method, "seed": seed, "device": device})
+        about = {"method": method, "seed": seed, "device": device}
+        whole = write_map(out, here, there, found, about)
         if picture is not None:
             draw_map(picture, (here, there), (source.name, target.name), found)
+        written: list[Path] = []
+        if alternatives:
+            written = write_alternatives(out, picture, (here, there), (source, target), found, about)
     check = "; mirror check undecided" if found.mirror_check == "undecided" else ""
     say(quiet, f"{summary(whole, len(found))}{check}; written to {out}")
+    for line in said_of_alternatives(found, written):
+        say(quiet, line)

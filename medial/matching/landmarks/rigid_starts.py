@@ -36,6 +36,11 @@ def axis_rotations(source: Float, target: Float) -> Float:
     return np.array([turn for turn in ways if np.linalg.det(turn) > 0])
 
 
+def half_turns(axes: Float) -> Float:
+    """Rotations by 180 degrees about orthonormal axes (the columns of (3, 3)), (3, 3, 3)."""
+    return np.array([2 * np.outer(axis, axis) - np.eye(3) for axis in axes.T])
+
+
 def rigid_poses(graph: NodeGraph, source: Float, target: Float) -> list[Pose]:
     """Poses that take the middle and the principal axes of one cloud to those of another.
 

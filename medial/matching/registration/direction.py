@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from datasets_gen.compiled import run_tasks
 from medial.matching.common_units import Int
 from medial.matching.landmarks.candidates import Candidate
-from medial.matching.landmarks.rigid_starts import rigid_poses
+from medial.matching.landmarks.rigid_starts import half_turns, principal_axes, rigid_poses
 from medial.matching.prepared import PreparedCloud, PreparedPair
 from medial.matching.registration.deformation_graph import NodeGraph, Pose
+from medial.matching.registration.evidence import Weights
 from medial.matching.registration.exchange import ExchangeLimits, distinct, exchange_parts
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.refinement import FineDeformation
@@ -82,7 +83,7 @@ class Direction:
     backward
         Deform the target of the pair onto its source.
     shown
-        What the pair's source and target show.
+        What the pair's source and target show; None if both are taken to show everything.
 
     Attributes
     ----------
@@ -94,9 +95,12 @@ class Direction:
         Of the samples of the source.
     """
 
-    def __init__(self, pair: PreparedPair, backward: bool, shown: tuple[Visibility, Visibility]) -> None:
+    def __init__(
+        self, pair: PreparedPair, backward: bool, shown: tuple[Visibility, Visibility] | None
+    ) -> None:
         self.pair, self.backward = pair, backward
-        self.shown = shown[::-1] if backward else shown
+        self.shown = shown[::-1] if shown and backward else shown
+        self.weights = Weights.of(pair.config.evidence)
         self.source, self.target = (pair.target, pair.source) if backward else (pair.source, pair.target)
         assert self.source.coordinates is not None
         self.coordinates = self.source.coordinates
@@ -112,6 +116,7 @@ class Direction:
             self.target.cover,
             self.target.descriptors.samples,
             self.shown,
+            self.weights,
         )
 
     def follow(self, candidates: list[Candidate]) -> list[DirectedFit]:
@@ -138,6 +143,20 @@ class Direction:
         kept = distinct(begun, RIGID_KEPT)
         return self._directed(run_tasks(settle, [(fit.pose, RIGID, RIGID_EARLY) for fit in kept]))
 
+    def half_turns(self, fit: DirectedFit) -> list[DirectedFit]:
+        """Rivals of a fit: settled from the fit turned by half a turn about each of the target's axes.
+
+        Bodies have such approximate symmetries: front for back, head for tail. They are made on purpose so
+        that the fit is compared with them.
+        """
+        middle = fit.pose.positions.mean(axis=0)
+        poses = [
+            Pose(turn @ fit.pose.rotations, (fit.pose.positions - middle) @ turn.T + middle)
+            for turn in half_turns(principal_axes(self.target.cloud.points))
+        ]
+        settle = self.registration.settle
+        return self._directed(run_tasks(settle, [(pose, RIGID) for pose in poses]))
+
     def exchange(self, fits: list[DirectedFit]) -> list[DirectedFit]:
         """Distinct fits, best first, after parts were exchanged between them if that is wanted."""
         limits = ExchangeLimits()
@@ -158,7 +177,14 @@ class Direction:
         here, there = self.source, self.target
         covers = here.cover, there.cover
         return FineDeformation(
-            here.cloud, there.cloud, covers, self.coordinates, here.descriptors.samples, nodes, self.shown
+            here.cloud,
+            there.cloud,
+            covers,
+            self.coordinates,
+            here.descriptors.samples,
+            nodes,
+            self.shown,
+            self.weights,
         )
 
     def _along(self, goal: Int) -> Pose:
@@ -175,8 +201,10 @@ class Direction:
 def pair_directions(pair: PreparedPair) -> list[Direction]:
     """The source onto the target and, if both directions are wanted, the target onto the source."""
     both = pair.config.both_ways and pair.config.selection == "fit"
-    first, second = run_tasks(_visibility, [(pair.source,), (pair.target,)])
-    shown = first, second
+    shown = None
+    if "visibility" in pair.config.evidence:
+        first, second = run_tasks(_visibility, [(pair.source,), (pair.target,)])
+        shown = first, second
     return run_tasks(Direction, [(pair, False, shown), (pair, True, shown)][: 2 if both else 1])
 
 

@@ -6,15 +6,7 @@ Where both scans could see a surface they must agree; where one of them could no
 from dataclasses import dataclass
 
 from medial.matching.registration.deformation_graph import Float, Int, Pose
-
-SEEN_WORTH = 0.3
-"""Worth of surface that meets, relative to the cost of surface that should have met and does not."""
-STRAIN_COST = 600.0
-"""Cost of the mean square strain (areas) in the score of a fit. Chosen with `SEEN_WORTH` on 5,100 fits of
-24 pairs, four of them from opposite sides, where strain tells half a turn about the long axis from the right
-map; more of it costs bodies that bend much."""
-HELD_WORTH = 0.75
-"""Worth of the share of the body that holds together in the score of a fit. Fitted with `STRAIN_COST`."""
+from medial.matching.registration.evidence import Weights
 
 
 @dataclass(frozen=True)
@@ -39,6 +31,8 @@ class Fit:
         Mean square disagreement of neighbouring nodes, in units of the area.
     held : float
         Share of the body that holds together, in [0, 1]: the mean of `NodeGraph.held`.
+    weights : Weights
+        What the score is made with.
     """
 
     pose: Pose
@@ -49,11 +43,12 @@ class Fit:
     missed: float
     strain: float
     held: float
+    weights: Weights
 
     @property
     def score(self) -> float:
         """How far the surfaces agree and what holds together of the body, less what the strain costs."""
-        return self.agreement + HELD_WORTH * self.held - STRAIN_COST * self.strain
+        return self.agreement + self.weights.held * self.held - self.weights.strain * self.strain
 
     @property
     def agreement(self) -> float:
@@ -62,7 +57,7 @@ class Fit:
         Surface that meets is worth little beyond that nothing is missed. Where both scans show everything,
         this is `seen`.
         """
-        return (SEEN_WORTH * self.seen + 2 - self.missed) / (1 + SEEN_WORTH)
+        return (self.weights.seen * self.seen + 2 - self.missed) / (1 + self.weights.seen)
 
     @property
     def seen(self) -> float:

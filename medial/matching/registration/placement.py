@@ -9,16 +9,8 @@ from medial.matching.common_units import CloudInUnits, Int
 from medial.matching.landmarks.medial_paths import path_distortion
 from medial.matching.registration.direction import DirectedFit
 
-MARGIN = 0.03
-"""A map that leads another one (`Placement.lead`) by less than this leaves it open which of them is right."""
 ALIKE = 0.075
 """Mean distance between two maps, in sqrt(area), below which they differ in a limb, not as a whole."""
-PATH_COST = 10.0
-"""Cost of the mean change of path lengths along the body (sqrt(area)), in the merit of a fit. Chosen on the
-fits of 72 maps between scans with a third to two thirds of the surface missing."""
-WHOLE = 0.6
-"""Share of that cost that counts between maps that differ as a whole: where scans have gaps, paths change
-under the right map, too."""
 SAME_REGION = 0.1
 """Medial centres closer than this, in sqrt(area), are of one region."""
 UNMOVED = 0.8
@@ -38,16 +30,11 @@ class Placement:
     places : (s, 3) float64
         On the pair's target.
     score : float
-        Of the fit, less half the cost of paths. For a cloud and its mirror image, less the cost of what stays
-        where it is, and of paths as in the merit: both clouds have the same gaps.
-    merit : float
-        The score, less the cost of paths along the body that the map makes longer or shorter. A shank on
-        the other leg's knee fits as well as on its own, but is elsewhere along the body.
+        Of the fit, less the cost of what it leaves in place and of what it changes along the body.
     """
 
     places: NDArray[np.float64]
     score: float
-    merit: float
 
     def gap(self, other: "Placement") -> float:
         """Mean distance between two placements, in sqrt(area)."""
@@ -57,18 +44,14 @@ class Placement:
         """Whether two placements differ by no more than a limb."""
         return self.gap(other) < ALIKE
 
-    def lead(self, other: "Placement") -> float:
-        """How much better this one is: by merit if they are alike, by score if not."""
-        return self.merit - other.merit if self.like(other) else self.score - other.score
-
 
 def place(fit: DirectedFit) -> Placement:
     """Where a fit puts the samples of the pair's source; with its inverse if the target is deformed."""
     inverse = fit.inverse()
     places = fit.direction.source.cloud.points[inverse] if fit.backward else fit.moved
-    score, cost = fit.score - UNMOVED_COST * unmoved(fit), PATH_COST * path_change(fit, inverse)
-    share = WHOLE if fit.direction.pair.to_move is None else 1.0
-    return Placement(places, score - share * cost, score - cost)
+    weights = fit.weights
+    cost = weights.paths if fit.direction.pair.to_move is None else weights.mirrored_paths
+    return Placement(places, fit.score - UNMOVED_COST * unmoved(fit) - cost * path_change(fit, inverse))
 
 
 def path_change(fit: DirectedFit, inverse: Int) -> float:

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from datasets_gen.compiled import thread_count
 from medial.matching.common_units import CloudInUnits
 from medial.matching.registration.deformation_graph import Attachment, NodeGraph, Pose, moved
+from medial.matching.registration.evidence import WEIGHTS, Weights, medial_gap
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.registration import Registration, Schedule, features, found
 from medial.matching.registration.visibility import Visibility
@@ -21,8 +22,9 @@ FINE_INFLUENCES = 6
 """Nodes that move a point in the fine deformation. Its nodes are close, and more of them make it smoother."""
 LOOK_BACK = 3000
 """Number of target points that look for the source in the fine deformation."""
-FINE = Schedule(follow=0, rounds=12, stiffness=(1.0, 0.003))
-"""How the fine deformation settles: softer at the end than the quick one."""
+FINE = Schedule(follow=0, rounds=12, stiffness=(1.0, 0.003), unseen=0.05)
+"""How the fine deformation settles: softer at the end than the quick one. What the other scan could not have
+seen follows its neighbours: pulled to the nearest surface, the front of a limb would end on its back."""
 MEETING = 16
 """Number of deformed points around a match that `DenseFit.alone` looks at."""
 SAME_NEIGHBOURHOOD = 0.15
@@ -66,7 +68,7 @@ class FineDeformation:
         Points that may become nodes.
     nodes
         Number of nodes.
-    shown
+    shown, weights
         As for `Registration`.
     """
 
@@ -79,8 +81,9 @@ class FineDeformation:
         eligible: Int,
         nodes: int,
         shown: tuple[Visibility, Visibility] | None = None,
+        weights: Weights = WEIGHTS,
     ) -> None:
-        self.source, self.target, self._shown = source, target, shown
+        self.source, self.target, self._shown, self._weights = source, target, shown, weights
         count = max(2, min(nodes, len(source) // 4))
         self.graph, self.attachment = NodeGraph.over(
             coordinates, source.points, eligible, count, FINE_INFLUENCES
@@ -91,7 +94,15 @@ class FineDeformation:
 
     def _over(self, taken: Int, among: Int, look_back: Int) -> Registration:
         return Registration.between(
-            self.graph, self.attachment, self.source, self.target, taken, among, look_back, self._shown
+            self.graph,
+            self.attachment,
+            self.source,
+            self.target,
+            taken,
+            among,
+            look_back,
+            self._shown,
+            self._weights,
         )
 
     def adopt(self, graph: NodeGraph, attachment: Attachment, pose: Pose) -> Pose:
@@ -120,6 +131,15 @@ class FineDeformation:
     def judge(self, pose: Pose) -> Fit:
         """The pose as it is."""
         return self._registration.judge(pose)
+
+    def medial_gap(self, fit: Fit) -> float:
+        """How far the medial balls of the source, moved with their points, are from the target's."""
+        taken = self._taken
+        source, target = self.source, self.target
+        spokes = source.centers[taken] - source.points[taken]
+        here, toward = moved(source.points[taken], spokes, self.attachment.rows(taken), self.graph, fit.pose)
+        centers = here + np.linalg.norm(spokes, axis=1)[:, None] * toward
+        return medial_gap(centers, source.radii[taken], target.centers, target.radii)
 
     def dense(self, fit: Fit) -> DenseFit:
         """The nearest target point, in position and normal, of every deformed source point."""

@@ -28,6 +28,7 @@ from medial.matching.registration.deformation_graph import (
     moved,
     shares,
 )
+from medial.matching.registration.evidence import WEIGHTS, Weights
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.normal_equations import NormalEquations
 from medial.matching.registration.rigid_motions import local_motions
@@ -50,6 +51,9 @@ FOLLOW_STIFFNESS = 0.2
 BELIEVED = 0.1
 """Distance to where the map sends a point, in sqrt(area), at which it loses much of its pull."""
 
+Expected = tuple[Float | float, Float | float]
+EVERYTHING: Expected = (1.0, 1.0)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Schedule:
@@ -63,6 +67,8 @@ class Schedule:
     """Weight of the agreement of neighbouring nodes, first and last round."""
     reach: tuple[float, float] = (0.12, 0.03)
     """Distance to a closest point at which it loses much of its pull, first and last round."""
+    unseen: float = 1.0
+    """Weight of points that the other scan could not have seen, relative to those that it could."""
 
 
 class Registration:
@@ -83,6 +89,8 @@ class Registration:
         Target points that look for the source.
     shown : (Visibility, Visibility), optional
         Of the source and of the target; without them both show everything.
+    weights
+        Of the evidence that fits are scored by.
     """
 
     def __init__(
@@ -96,8 +104,9 @@ class Registration:
         among: Int,
         look_back: Int,
         shown: tuple[Visibility, Visibility] | None = None,
+        weights: Weights = WEIGHTS,
     ) -> None:
-        self.graph, self.attachment, self._shown = graph, attachment, shown
+        self.graph, self.attachment, self._shown, self._weights = graph, attachment, shown, weights
         self.points, self.normals = points, normals
         self.target_points, self.target_normals = target_points, target_normals
         self._back_points, self._back_normals = target_points[look_back], target_normals[look_back]
@@ -115,6 +124,7 @@ class Registration:
         among: Int,
         look_back: Int,
         shown: tuple[Visibility, Visibility] | None = None,
+        weights: Weights = WEIGHTS,
     ) -> "Registration":
         """Some points of a cloud, all of which hang on the nodes, against another cloud.
 
@@ -130,11 +140,11 @@ class Registration:
             Target points that are looked for.
         look_back : (b,) int64
             Target points that look for the source.
-        shown
+        shown, weights
             As for `Registration`.
         """
-        points, normals, hang = source.points[rows], source.normals[rows], attachment.rows(rows)
-        return cls(graph, points, normals, hang, target.points, target.normals, among, look_back, shown)
+        here = graph, source.points[rows], source.normals[rows], attachment.rows(rows)
+        return cls(*here, target.points, target.normals, among, look_back, shown, weights)
 
     def follow(self, goal: Float, goal_normals: Float, schedule: Schedule) -> Pose:
         """Deform the source along a map; points that their neighbours contradict count less.
@@ -189,12 +199,14 @@ class Registration:
             stiffness, reach = (a * (b / a) ** done for a, b in (schedule.stiffness, schedule.reach))
             here, normals, near, back = self._meet(pose)
             equations = NormalEquations(self.graph, pose, self.points, self.attachment)
-            for rows, goals, goal_normals, worth in (
-                (everything, self.target_points[near], self.target_normals[near], 1.0),
-                (back, self._back_points, self._back_normals, BACKWARD),
+            shown = self._expected(pose, here, normals, back) if schedule.unseen < 1 else EVERYTHING
+            for rows, goals, goal_normals, worth, expected in (
+                (everything, self.target_points[near], self.target_normals[near], 1.0, shown[0]),
+                (back, self._back_points, self._back_normals, BACKWARD, shown[1]),
             ):
                 square, cosine = meeting(here[rows], normals[rows], goals, goal_normals)
                 weight = worth / len(rows) * cosine**2 * _robust(square, reach)
+                weight *= schedule.unseen + (1 - schedule.unseen) * expected
                 equations.pull(rows, here[rows] - goals, goal_normals, EVEN * weight, weight)
             pose = equations.step(stiffness)
         return self.judge(pose)
@@ -213,25 +225,29 @@ class Registration:
             self._missed(pose, here, normals, back, met, met_back),
             self.graph.strain(pose),
             float(self.graph.held(pose).mean()),
+            self._weights,
         )
 
     def _missed(
         self, pose: Pose, here: Float, normals: Float, back: Int, met: Float, met_back: Float
     ) -> float:
-        """`Fit.missed`: of points in a pose, and of target points that find the nearest ones, `back`.
+        """`Fit.missed`: of points in a pose, and of target points that find the nearest ones, `back`."""
+        shown, shown_back = self._expected(pose, here, normals, back)
+        expected, expected_back = np.maximum(shown, met), np.maximum(shown_back, met_back)
+        return float((expected * (1 - met)).mean() + (expected_back * (1 - met_back)).mean())
 
-        Target points are taken to where they would lie on the undeformed source, rigidly with the node that
-        moves the point they found most.
+    def _expected(self, pose: Pose, here: Float, normals: Float, back: Int) -> Expected:
+        """How surely the target would show the points of a pose, and the source target points that look back.
+
+        Those are taken to the undeformed source, rigidly with the node that moves the point they found most.
         """
         if self._shown is None:
-            return float(2 - met.mean() - met_back.mean())
+            return EVERYTHING
         source, target = self._shown
         turns = pose.rotations[self._main_node[back]]
         offset = np.einsum("nji,nj->ni", turns, self._back_points - here[back])
         rest_normals = np.einsum("nji,nj->ni", turns, self._back_normals)
-        expected = np.maximum(target.expected(here, normals), met)
-        expected_back = np.maximum(source.expected(self.points[back] + offset, rest_normals), met_back)
-        return float((expected * (1 - met)).mean() + (expected_back * (1 - met_back)).mean())
+        return target.expected(here, normals), source.expected(self.points[back] + offset, rest_normals)
 
     @cached_property
     def _main_node(self) -> Int:

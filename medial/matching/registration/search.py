@@ -82,6 +82,16 @@ def with_inverses(
     return fits + forward.invert(of(backward, donors)) + backward.invert(of(forward, donors))
 
 
+def half_turned(directions: list[Direction], fits: list[DirectedFit]) -> list[DirectedFit]:
+    """Rivals of the best fit of each direction, made on purpose (`Direction.half_turns`)."""
+    return [
+        rival
+        for each in directions
+        for best in distinct(of(each, fits), 1)
+        for rival in each.half_turns(best)
+    ]
+
+
 def moving(fits: list[DirectedFit]) -> list[DirectedFit]:
     """The fits that do not leave the body in place (`placement.UNMOVED`); all of them if every one does."""
     return [fit for fit in fits if unmoved(fit) <= UNMOVED] or fits

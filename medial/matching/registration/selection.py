@@ -1,10 +1,7 @@
-"""The selection among the fits of a pair.
-
-The score decides how the body as a whole goes onto the other one. Among maps that differ by a limb, path
-lengths along the body count as well.
-"""
+"""The selection among the fits of a pair: the best ones are settled finely and compared by all evidence."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,27 +9,56 @@ from numpy.typing import NDArray
 from datasets_gen.compiled import run_tasks
 from medial.matching.config import MatchConfig
 from medial.matching.registration.direction import DirectedFit, Direction
+from medial.matching.registration.evidence import Weights, log_likelihood, probabilities
+from medial.matching.registration.exchange import SAME_FIT
 from medial.matching.registration.fit import Fit
-from medial.matching.registration.placement import MARGIN, Placement
+from medial.matching.registration.placement import Placement
 from medial.matching.registration.refinement import DenseFit, FineDeformation
 
 Float = NDArray[np.float64]
 
-NEAR_BEST = 0.25
-"""Fits whose score is within this of the best are judged with fine nodes."""
-JUDGED_FINELY = 8
-"""At most so many of them."""
-FINALIST = 0.2
-"""Of those, fits that are worth less than the best by more than this are not settled finely."""
-SETTLED = 0.5
-"""Worth of what a fit sees once it is settled finely, added to its score or merit. Between bodies that lie
-differently, what settling finely adds to the strain is noise."""
-LEVEL = 2 * MARGIN
-"""Maps a limb apart whose score is within this of the best are level."""
+NEAR_BEST = 0.4
+"""Fits whose score is within this of the best are settled finely."""
+VARIANTS = 3
+"""At most so many fits that differ from the best one in a limb alone are settled finely as well."""
+VARIANT_NEAR = 0.1
+"""Those whose score is within this of the best."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A fit that is compared with others.
+
+    Attributes
+    ----------
+    number : int
+        Position in the list of fits.
+    log_likelihood : float
+        Of the map that it makes (`evidence.log_likelihood`); estimated if it was not settled finely.
+    """
+
+    number: int
+    log_likelihood: float
+
+
+@dataclass(frozen=True)
+class Finalist(Rival):
+    """A fit that was settled finely.
+
+    Attributes
+    ----------
+    fit : Fit
+        Settled finely.
+    medial_gap : float
+        Of that fit (`evidence.medial_gap`).
+    """
+
+    fit: Fit
+    medial_gap: float
 
 
 class FineSelection:
-    """Good fits judged with fine nodes, and the best of them.
+    """Good fits settled finely, and which of them is the most likely one.
 
     Parameters
     ----------
@@ -44,67 +70,109 @@ class FineSelection:
 
     def __init__(self, fits: list[DirectedFit], placements: list[Placement], config: MatchConfig) -> None:
         self._fits, self._placements, self._config = fits, placements, config
+        self._weights = Weights.of(config.evidence)
+        self._nodes = config.fine_nodes if config.refine == "deform" else config.nodes
         self._fine: dict[Direction, FineDeformation] = {}
-        self._judged: dict[int, Fit] = {}
-        self._settled: dict[int, Fit] = {}
 
-    def choose(self) -> tuple[int, DenseFit]:
-        """Position of the best fit in the list, and the map of all source points that it makes.
+    def finalists(self) -> list[Finalist]:
+        """Whole maps, and those that differ from the best of these in a limb; the most likely one first.
 
-        What the fits score and see decides which body goes where. Of maps that are like the best one and
-        nearly as good, the score of the finely settled fit and paths along the body decide. Paths alone do
-        not: where scans have gaps, they change under the right map as much as from head to tail.
+        Without deformation (`MatchConfig.refine`) fits are carried over to the nodes, but not settled.
         """
-        scores = np.array([each.score for each in self._placements])
-        if self._config.refine != "deform":
-            best = int(scores.argmax())
-            self._judge([best], self._config.nodes)
-            return best, self._dense(best, self._judged[best])
-        leader = self._best(scores)
-        like = np.array([each.like(self._placements[leader]) for each in self._placements])
-        merits = np.array([each.merit for each in self._placements])
-        near = self._finalists(np.where(like & (scores > scores[leader] - LEVEL), merits, -np.inf))
-        worth = {k: scores[k] + SETTLED * self._settled[k].agreement for k in (leader, *near)}
-        level = [k for k in worth if worth[k] > worth[leader] - LEVEL]
-        best = max(level, key=lambda k: merits[k] + self._settled[k].score - self._fits[k].score)
-        return best, self._dense(best, self._settled[best])
+        found = _ranked(self._settled(self._whole_maps()))
+        variants = self._variants(found[0].number, {each.number for each in found})
+        return _ranked(found + self._settled(variants))
 
-    def _best(self, values: Float) -> int:
-        """The fit of the highest value after those of high value were settled finely."""
-        return max(self._finalists(values), key=lambda k: values[k] + SETTLED * self._settled[k].agreement)
+    def rivals(self, finalists: list[Finalist]) -> list[Rival]:
+        """The finalists, and the fits that were not settled finely and differ from them and from each other.
 
-    def _finalists(self, values: Float) -> list[int]:
-        """Fits of high value, settled finely; best first by what they were worth before that."""
-        near = np.argsort(-values, kind="stable")[:JUDGED_FINELY]
-        near = near[values[near] > values.max() - NEAR_BEST]
-        self._judge(near, self._config.fine_nodes)
-        worth = values[near] + [SETTLED * self._judged[k].agreement for k in near]
-        order = np.argsort(-worth, kind="stable")[: self._config.finalists]
-        final = [int(k) for k in near[order[worth[order] > worth.max() - FINALIST]]]
-        self._settle(final)
-        return final
+        Settled finely, these are taken to lose what the best one loses: they are less likely than it by the
+        difference of their scores, and never more likely.
 
-    def _judge(self, numbers: Iterable[int], nodes: int) -> None:
-        """Carry fits over to fine nodes and judge them there."""
-        new = [k for k in numbers if k not in self._judged]
-        directions = [d for d in dict.fromkeys(self._fits[k].direction for k in new) if d not in self._fine]
-        fine = run_tasks(Direction.fine, [(each, nodes) for each in directions])
-        self._fine |= dict(zip(directions, fine, strict=True))
-        self._judged |= dict(zip(new, run_tasks(self._judged_finely, [(k,) for k in new]), strict=True))
+        Parameters
+        ----------
+        finalists
+            The most likely one first.
+        """
+        best = finalists[0]
+        rivals: list[Rival] = list(finalists)
+        score = self._placements[best.number].score
+        for k in _by_score(self._placements):
+            each = self._placements[k]
+            if all(each.gap(self._placements[other.number]) > SAME_FIT for other in rivals):
+                less = self._weights.score * max(0.0, score - each.score)
+                rivals.append(Rival(k, best.log_likelihood - less))
+        return rivals
 
-    def _judged_finely(self, k: int) -> Fit:
-        fit = self._fits[k]
-        fine, direction = self._fine[fit.direction], fit.direction
-        return fine.judge(fine.adopt(direction.graph, direction.attachment, fit.pose))
-
-    def _settle(self, numbers: Iterable[int]) -> None:
-        new = [k for k in numbers if k not in self._settled]
-        self._settled |= dict(zip(new, run_tasks(self._settled_finely, [(k,) for k in new]), strict=True))
-
-    def _settled_finely(self, k: int) -> Fit:
-        return self._fine[self._fits[k].direction].settle(self._judged[k].pose)
-
-    def _dense(self, k: int, fit: Fit) -> DenseFit:
+    def dense(self, finalist: Finalist) -> DenseFit:
         """The map from the pair's source to its target."""
-        fine = self._fine[self._fits[k].direction]
-        return fine.inverse(fit) if self._fits[k].backward else fine.dense(fit)
+        fit = self._fits[finalist.number]
+        fine = self._fine[fit.direction]
+        return fine.inverse(finalist.fit) if fit.backward else fine.dense(finalist.fit)
+
+    def _whole_maps(self) -> list[int]:
+        """Fits of nearly the best score that differ from each other as a whole, best first."""
+        order = _by_score(self._placements)
+        highest = self._placements[order[0]].score
+        kept: list[int] = []
+        for k in order:
+            if self._placements[k].score < highest - NEAR_BEST or len(kept) == self._config.finalists:
+                break
+            if all(self._placements[k].gap(self._placements[other]) > SAME_FIT for other in kept):
+                kept.append(k)
+        return kept
+
+    def _variants(self, best: int, settled: set[int]) -> list[int]:
+        """Other fits that are like the best one and score nearly as well; best first."""
+        leader = self._placements[best]
+        near = [
+            k
+            for k, each in enumerate(self._placements)
+            if k not in settled and each.like(leader) and each.score > leader.score - VARIANT_NEAR
+        ]
+        return sorted(near, key=lambda k: -self._placements[k].score)[:VARIANTS]
+
+    def _settled(self, numbers: list[int]) -> list[Finalist]:
+        """Carry fits over to fine nodes and settle them there."""
+        directions = dict.fromkeys(self._fits[k].direction for k in numbers)
+        missing = [each for each in directions if each not in self._fine]
+        fine = run_tasks(Direction.fine, [(each, self._nodes) for each in missing])
+        self._fine |= dict(zip(missing, fine, strict=True))
+        return run_tasks(self._finalist, [(k,) for k in numbers])
+
+    def _finalist(self, k: int) -> Finalist:
+        quick, placed = self._fits[k], self._placements[k]
+        fine, direction = self._fine[quick.direction], quick.direction
+        pose = fine.adopt(direction.graph, direction.attachment, quick.pose)
+        fit = fine.settle(pose) if self._config.refine == "deform" else fine.judge(pose)
+        gap = fine.medial_gap(fit)
+        likelihood = log_likelihood(self._weights, placed.score, fit.strain, gap, fit.missed)
+        return Finalist(k, likelihood, fit, gap)
+
+
+def groups(weights: Weights, rivals: list[Rival], placements: list[Placement]) -> list[tuple[Rival, float]]:
+    """The first rival of each group of like ones (`Placement.like`), and its group's probability.
+
+    Parameters
+    ----------
+    weights
+    rivals
+        Each group's most likely one before the others.
+    placements
+        Of all fits.
+    """
+    heads: list[Rival] = []
+    for each in rivals:
+        if not any(placements[each.number].like(placements[head.number]) for head in heads):
+            heads.append(each)
+    share = probabilities(weights, np.array([head.log_likelihood for head in heads]))
+    return list(zip(heads, share.tolist(), strict=True))
+
+
+def _by_score(placements: list[Placement]) -> list[int]:
+    """Positions, the highest score first."""
+    return sorted(range(len(placements)), key=lambda k: -placements[k].score)
+
+
+def _ranked(finalists: Iterable[Finalist]) -> list[Finalist]:
+    return sorted(finalists, key=lambda each: (-each.log_likelihood, each.number))

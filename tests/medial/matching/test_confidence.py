@@ -5,26 +5,33 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from medial.matching.confidence import RIVAL_TEMPERATURE, confidence_of_fit, confidence_of_residual
+from medial.matching.confidence import confidence_of_fit, confidence_of_residual
 from medial.matching.registration.deformation_graph import NodeGraph
+from medial.matching.registration.evidence import WEIGHTS
 from medial.matching.registration.placement import Placement
 from medial.matching.registration.refinement import DenseFit
+from medial.matching.registration.selection import Rival
 
 COORDINATES = np.random.default_rng(0).standard_normal((120, 3)).astype(np.float32)
 GRAPH, ATTACHMENT = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
 SURE = DenseFit(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
 SAMPLES = np.arange(0, 120, 2)
-BEST = Placement(COORDINATES[SAMPLES].astype(float), 1.5, 1.4)
+LIKELY = 40.0
+BEST = Placement(COORDINATES[SAMPLES].astype(float), 1.5)
 
 
 def confidence(dense, *rivals):
-    return confidence_of_fit(dense, BEST, [BEST, *rivals], ATTACHMENT, SAMPLES)
+    """Of the best map, given rivals and their log-likelihoods relative to it."""
+    values = LIKELY + np.array([0.0, *(loss for _, loss in rivals)])
+    compared = [Rival(k, value) for k, value in enumerate(values)]
+    placements = [BEST, *(place for place, _ in rivals)]
+    return confidence_of_fit(WEIGHTS, dense, 0, compared, placements, ATTACHMENT, SAMPLES)
 
 
 def rival(loss, samples=slice(None)):
     places = BEST.places.copy()
     places[samples] += 1.0
-    return Placement(places, BEST.score - loss, BEST.merit)
+    return Placement(places, 0.0), -loss
 
 
 def test_what_nothing_speaks_against_is_sure():
@@ -42,15 +49,9 @@ def test_doubts_multiply():
     assert np.allclose(confidence(dense), 0.36)
 
 
-@pytest.mark.parametrize(
-    ("loss", "belief"), [(0.0, 1 / 2), (RIVAL_TEMPERATURE, 1 / (1 + np.exp(-1))), (10, 1)]
-)
-def test_a_rival_shares_the_belief_by_its_score(loss, belief):
+@pytest.mark.parametrize(("loss", "belief"), [(0.0, 1 / 2), (1.0, 1 / (1 + np.exp(-1))), (60.0, 1)])
+def test_a_rival_shares_the_belief_by_its_likelihood(loss, belief):
     assert np.allclose(confidence(SURE, rival(loss)), belief)
-
-
-def test_a_better_score_of_a_rival_does_not_outweigh_the_choice():
-    assert np.allclose(confidence(SURE, rival(-1.0)), 1 / 2)
 
 
 def test_a_rival_is_one_only_where_it_differs():

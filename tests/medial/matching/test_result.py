@@ -7,6 +7,7 @@ import pytest
 
 from datasets_gen.records import InputError, load_record, save_record
 from medial import MatchConfig, Matching
+from medial.matching.result import Alternative
 
 
 def matching(**changes):
@@ -40,7 +41,7 @@ def test_files_round_trip(clouds, tmp_path):
     loaded = Matching.load(tmp_path / "map.npz")
     for name in ("source_to_target", "landmarks", "confidence"):
         assert np.array_equal(getattr(saved, name), getattr(loaded, name))
-    for name in ("config", "seed", "mirror_check", "about"):
+    for name in ("config", "seed", "mirror_check", "about", "alternatives"):
         assert getattr(saved, name) == getattr(loaded, name)
     assert np.isnan(loaded.cost)  # found by path length
     assert set(saved.restarts) == set(loaded.restarts)
@@ -81,3 +82,51 @@ def test_a_map_is_extended_to_the_clouds_that_its_points_were_picked_from():
 def test_numbers_of_numpy_are_saved(tmp_path):
     matching(seed=np.int64(3), config=MatchConfig(samples=np.int64(30))).save(tmp_path / "m.npz")
     assert Matching.load(tmp_path / "m.npz").seed == 3
+
+
+def open_question():
+    others = (
+        Alternative(0.3, np.array([0, 1, 1]), np.array([0.3, 0.3, 0.1])),
+        Alternative(0.1, np.array([-1, 0, 0]), np.array([0.0, 0.1, 0.1])),
+    )
+    return matching(probability=0.6, alternatives=others)
+
+
+def test_it_says_that_other_maps_may_be_right():
+    assert "0.60 against 0.30 0.10 for other maps" in repr(open_question())
+
+
+def test_alternatives_round_trip(tmp_path):
+    open_question().save(tmp_path / "map.npz")
+    loaded = Matching.load(tmp_path / "map.npz")
+    assert loaded.probability == 0.6
+    assert [each.probability for each in loaded.alternatives] == [0.3, 0.1]
+    for saved, read in zip(open_question().alternatives, loaded.alternatives, strict=True):
+        assert np.array_equal(saved.source_to_target, read.source_to_target)
+        assert np.array_equal(saved.confidence, read.confidence)
+
+
+def test_files_from_before_alternatives_have_none(tmp_path):
+    matching().save(tmp_path / "map.npz")
+    arrays, meta = load_record(tmp_path / "map.npz", "Matching")
+    del meta["probability"]
+    save_record(tmp_path / "old.npz", "Matching", arrays, meta)
+    loaded = Matching.load(tmp_path / "old.npz")
+    assert loaded.alternatives == ()
+    assert np.isnan(loaded.probability)
+
+
+def test_alternatives_are_extended_too():
+    source_ids, target_ids, nearest = np.array([4, 2, 0]), np.array([7, 3]), np.array([2, 2, 1, 0, 0])
+    other = open_question().extended(nearest, source_ids, target_ids).alternatives[0]
+    assert other.source_to_target.tolist() == [3, 3, 3, 7, 7]
+    assert other.confidence.tolist() == [0.1, 0.1, 0.3, 0.3, 0.3]
+
+
+def test_an_alternative_is_a_map_of_its_own():
+    first, second = open_question().as_alternatives()
+    assert first.source_to_target.tolist() == [0, 1, 1]
+    assert first.landmarks.tolist() == [[0, 0], [1, 1]]
+    assert (first.probability, second.probability) == (0.3, 0.1)
+    assert first.alternatives == ()
+    assert first.confidence.tolist() == [0.3, 0.3, 0.1]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from medial.matching.common_units import common_units
+from medial.matching.registration.evidence import WEIGHTS
 from medial.matching.registration.placement import (
     ALIKE,
-    WHOLE,
     Placement,
     path_change,
     place,
@@ -29,27 +29,23 @@ def right(directions):
 
 
 def test_the_gap_of_placements_is_their_mean_distance():
-    here = Placement(np.zeros((4, 3)), 1.0, 1.0)
-    there = Placement(np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 1.0]]), 1.0, 1.0)
+    here = Placement(np.zeros((4, 3)), 1.0)
+    there = Placement(np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 1.0]]), 1.0)
     assert here.gap(there) == 1.0
     assert there.gap(here) == 1.0
 
 
-@pytest.mark.parametrize(("shift", "lead"), [(0.5 * ALIKE, -0.3), (2.0 * ALIKE, 0.1)])
-def test_paths_compare_maps_that_are_alike_and_scores_other_maps(shift, lead):
-    one = Placement(np.zeros((4, 3)), 1.6, 1.0)
-    other = Placement(np.full((4, 3), shift / np.sqrt(3)), 1.5, 1.3)
-    assert one.lead(other) == pytest.approx(lead)
-    assert other.lead(one) == pytest.approx(-lead)
+@pytest.mark.parametrize(("shift", "alike"), [(0.5 * ALIKE, True), (2.0 * ALIKE, False)])
+def test_maps_that_differ_little_on_average_are_alike(shift, alike):
+    one = Placement(np.zeros((4, 3)), 1.6)
+    assert one.like(Placement(np.full((4, 3), shift / np.sqrt(3)), 1.5)) == alike
 
 
-def test_a_limb_on_another_has_less_merit_than_its_score_says(directions, right):
+def test_a_limb_on_another_costs_what_it_changes_along_the_body(directions, right):
     lost = directions.all[0].follow([directions.astray])[0]
-    before, after = place(right), place(lost)
-    assert before.score <= right.score
-    assert before.merit <= before.score
-    assert lost.score - after.merit > right.score - before.merit + 0.2
-    assert lost.score - after.score == pytest.approx(WHOLE * (lost.score - after.merit))
+    loss, right_loss = (fit.score - place(fit).score for fit in (lost, right))
+    assert loss == pytest.approx(WEIGHTS.paths * path_change(lost, lost.inverse()))
+    assert loss > right_loss + 0.1 >= 0.1
 
 
 def test_paths_change_as_much_seen_from_either_side(directions, right):
@@ -59,11 +55,10 @@ def test_paths_change_as_much_seen_from_either_side(directions, right):
     assert path_change(inverted, inverted.inverse()) == pytest.approx(here, abs=0.01)
 
 
-def test_without_path_lengths_merit_is_the_score():
+def test_without_path_lengths_the_score_is_that_of_the_fit():
     bare = Directions(paths=False)
     fit = bare.best(bare.settled(true_landmarks()))[0]
-    placed = place(fit)
-    assert placed.merit == placed.score == fit.score
+    assert place(fit).score == fit.score
 
 
 def test_between_two_clouds_nothing_has_to_move(right):

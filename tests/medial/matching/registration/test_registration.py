@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from medial.matching.registration.deformation_graph import Pose
-from medial.matching.registration.fit import HELD_WORTH, STRAIN_COST
+from medial.matching.registration.evidence import WEIGHTS
 from medial.matching.registration.registration import NORMAL_LENGTH, SEEN_WITHIN, Schedule, features, found
 from tests.medial.clouds import rotation, sphere
 from tests.medial.posed import (
@@ -104,7 +104,7 @@ def test_the_score_is_what_is_seen_and_held_less_the_strain(at_rest):
     assert fit.strain > 1e-6
     assert fit.held < 0.9
     seen = fit.found.mean() + fit.found_back.mean()
-    assert fit.score == pytest.approx(seen + HELD_WORTH * fit.held - STRAIN_COST * fit.strain)
+    assert fit.score == pytest.approx(seen + WEIGHTS.held * fit.held - WEIGHTS.strain * fit.strain)
     assert fit.strain == at_rest.graph.strain(pose)
     assert fit.held == at_rest.graph.held(pose).mean()
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from medial.matching.registration.evidence import WEIGHTS, log_likelihood
 from medial.matching.registration.placement import ALIKE, place
-from medial.matching.registration.selection import LEVEL, FineSelection
+from medial.matching.registration.selection import NEAR_BEST, VARIANTS, FineSelection, Rival, groups
 from tests.medial.matching.registration.directions import SMALL, Directions, true_landmarks
 
 
@@ -17,62 +18,101 @@ def directions():
 
 @pytest.fixture(scope="module")
 def fits(directions):
-    """Of each direction one fit, twice: as far as settling tells, they are equally good."""
-    return [fit for fit in directions.best(directions.settled(true_landmarks())) for _ in range(2)]
+    """The right fit of each direction, and one with an arm at the feet, not settled."""
+    right = directions.best(directions.settled(true_landmarks()))
+    return [*right, directions.all[0].follow([directions.astray])[0]]
 
 
-def chosen(fits, shift, loss, config=SMALL):
-    """The choice between a fit and one of more merit that is `shift` away and scores less by `loss`."""
-    first = replace(place(fits[0]), score=1.5, merit=1.0)
-    other = replace(first, places=first.places + np.array([shift, 0, 0]), score=1.5 - loss, merit=1.4)
-    return FineSelection(fits[:2], [first, other], config).choose()[0]
+def shifted(placement, shift, score):
+    return replace(placement, places=placement.places + np.array([shift, 0, 0]), score=score)
 
 
-@pytest.mark.parametrize(
-    ("shift", "loss", "best"),
-    [
-        (0.3 * ALIKE, 0.5 * LEVEL, 1),  # a limb apart: paths count
-        (3.0 * ALIKE, 0.5 * LEVEL, 0),  # another map: the score decides
-        (0.3 * ALIKE, 1.5 * LEVEL, 0),  # a limb apart, but fits worse
-    ],
-)
-def test_paths_choose_between_like_fits_alone(fits, shift, loss, best):
-    assert chosen(fits, shift, loss) == best
+def selected(fits, placements, config=SMALL):
+    return FineSelection(fits, placements, config).finalists()
 
 
-def test_between_like_fits_the_finely_settled_score_counts_as_well(fits, monkeypatch):
-    """Settled finely, the fit of more merit holds together so badly that its paths do not make up for it."""
-    settle, held = FineSelection._settled_finely, (1.0, 0.4)
-    monkeypatch.setattr(
-        FineSelection, "_settled_finely", lambda self, k: replace(settle(self, k), held=held[k])
-    )
-    assert chosen(fits, 0.3 * ALIKE, 0.5 * LEVEL) == 0
+def test_the_most_likely_finalist_comes_first(fits):
+    found = selected(fits, [place(fit) for fit in fits], replace(SMALL, finalists=3))
+    values = [each.log_likelihood for each in found]
+    assert values == sorted(values, reverse=True)
+    assert found[0].number in (0, 1)
+    for each in found:
+        placed, fit, weights = place(fits[each.number]), each.fit, fits[0].weights
+        expected = log_likelihood(weights, placed.score, fit.strain, each.medial_gap, fit.missed)
+        assert each.log_likelihood == expected
 
 
-def test_a_map_that_meets_less_of_the_surfaces_is_not_taken_for_its_paths(fits, monkeypatch):
-    """Settled finely, the fit of more merit sees less of both clouds than the other one."""
-    settle = FineSelection._settled_finely
+def test_strain_of_the_finely_settled_fit_decides_between_equal_scores(fits, monkeypatch):
+    """Two fits of one score; the second strains more once it is settled finely."""
+    both = [fits[0], fits[0]]
+    at = place(fits[0])
+    placements = [shifted(at, 0.0, 1.5), shifted(at, 3 * ALIKE, 1.5)]
+    settled = FineSelection._finalist
 
-    def less(self, k):
-        found, share = settle(self, k), (1.0, 0.9)[k]
-        missed = found.missed + (1 - share) * found.seen
-        return replace(found, found=share * found.found, found_back=share * found.found_back, missed=missed)
+    def strained(self, k):
+        found = settled(self, k)
+        return replace(found, log_likelihood=found.log_likelihood - (5.0 if k == 0 else 0.0))
 
-    monkeypatch.setattr(FineSelection, "_settled_finely", less)
-    assert chosen(fits, 0.3 * ALIKE, 0.5 * LEVEL) == 0
+    monkeypatch.setattr(FineSelection, "_finalist", strained)
+    assert [each.number for each in selected(both, placements)] == [1, 0]
 
 
-def test_without_deformation_the_score_decides(fits):
-    assert chosen(fits, 0.3 * ALIKE, 0.5 * LEVEL, replace(SMALL, refine="spectral")) == 0
+def test_fits_that_are_far_from_the_best_score_are_not_settled(fits):
+    at = place(fits[0])
+    placements = [shifted(at, 3 * ALIKE * k, 1.5 - 0.6 * NEAR_BEST * k) for k in range(3)]
+    found = selected([fits[0]] * 3, placements, replace(SMALL, finalists=3))
+    assert sorted(each.number for each in found) == [0, 1]
+
+
+def test_of_like_fits_the_best_is_compared_as_a_whole_map_and_some_as_variants(fits):
+    at, many = place(fits[0]), VARIANTS + 4
+    placements = [shifted(at, 0.01 * ALIKE * k, 1.5 - 0.001 * k) for k in range(many)]
+    found = selected([fits[0]] * many, placements)
+    assert sorted(each.number for each in found) == list(range(1 + VARIANTS))
+
+
+def test_without_deformation_fits_are_carried_over_but_not_settled(fits):
+    placements = [place(fit) for fit in fits]
+    quick = selected(fits, placements, replace(SMALL, refine="spectral"))
+    settled = selected(fits, placements)
+    assert {e.number for e in quick} >= {settled[0].number}
+    assert quick[0].fit.seen < settled[0].fit.seen
 
 
 @pytest.mark.parametrize("direction", [0, 1])
 def test_either_direction_gives_the_map_of_the_source(directions, fits, direction):
     placements = [place(fit) for fit in fits]
-    placements[2 * direction] = replace(placements[2 * direction], score=9.0)
-    best, dense = FineSelection(fits, placements, SMALL).choose()
-    assert best == 2 * direction
+    placements[direction] = replace(placements[direction], score=9.0)
+    selection = FineSelection(fits, placements, SMALL)
+    best = selection.finalists()[0]
+    assert best.number == direction
+    dense = selection.dense(best)
     source, target = directions.pair.source.cloud, directions.pair.target.cloud
     assert len(dense.match) == len(source)
     truth = target.points[np.arange(len(source))]  # target points have the source's order
     assert np.linalg.norm(target.points[dense.match] - truth, axis=1).mean() < 0.05
+
+
+def test_like_finalists_are_one_group_and_groups_share_the_probability(fits):
+    at = place(fits[0])
+    shifts = (0.0, 0.2 * ALIKE, 5 * ALIKE)
+    placements = [shifted(at, shift, 1.0) for shift in shifts]
+    values = (22.0, 21.5, 21.0)
+    rivals = [Rival(k, value) for k, value in enumerate(values)]
+    (first, likely), (second, less) = groups(WEIGHTS, rivals, placements)
+    assert (first.number, second.number) == (0, 2)
+    assert likely + less == pytest.approx(1)
+    assert likely / less == pytest.approx(np.e)
+
+
+def test_fits_that_were_not_settled_finely_are_rivals_by_their_score(fits):
+    at = place(fits[0])
+    scores = (1.5, 1.4, 1.3, 1.3)
+    shifts = (0.0, 3 * ALIKE, 6 * ALIKE, 6.1 * ALIKE)  # the last is the one before it
+    placements = [shifted(at, shift, score) for shift, score in zip(shifts, scores, strict=True)]
+    selection = FineSelection([fits[0]] * 4, placements, replace(SMALL, finalists=1))
+    (best,) = selection.finalists()
+    rivals = selection.rivals([best])
+    assert [each.number for each in rivals] == [0, 1, 2]
+    losses = [best.log_likelihood - each.log_likelihood for each in rivals]
+    assert losses == pytest.approx([0.0, 0.1 * WEIGHTS.score, 0.2 * WEIGHTS.score])

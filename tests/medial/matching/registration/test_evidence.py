@@ -1,0 +1,92 @@
+"""What speaks for a map."""
+
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+
+from medial.matching.registration.evidence import (
+    KINDS,
+    WEIGHTS,
+    Weights,
+    log_likelihood,
+    medial_gap,
+    probabilities,
+)
+
+RANDOM = np.random.default_rng(0)
+CENTERS, RADII = RANDOM.normal(size=(60, 3)), RANDOM.uniform(0.1, 0.2, 60)
+
+
+def gap_by_loops(centers, radii, others, other_radii):
+    """Sum of both mean distances to the nearest ball, one pair at a time."""
+    square = [
+        [((c - d) ** 2).sum() + (r - s) ** 2 for d, s in zip(others, other_radii, strict=True)]
+        for c, r in zip(centers, radii, strict=True)
+    ]
+    apart = np.sqrt(square)
+    return apart.min(axis=1).mean() + apart.min(axis=0).mean()
+
+
+def test_all_kinds_together_are_the_default():
+    assert Weights.of(KINDS) == WEIGHTS == Weights()
+
+
+@pytest.mark.parametrize(
+    ("kind", "gone"),
+    [
+        ("visibility", set()),
+        ("strain", {"strain", "held", "fine_strain"}),
+        ("paths", {"paths", "mirrored_paths"}),
+        ("medial", {"medial"}),
+    ],
+)
+def test_what_is_left_out_weighs_nothing(kind, gone):
+    left = asdict(Weights.of([k for k in KINDS if k != kind]))
+    assert {name for name, value in left.items() if value == 0} == gone
+    assert all(value == getattr(WEIGHTS, name) for name, value in left.items() if name not in gone)
+
+
+def test_likelihood_falls_with_each_cost_and_rises_with_the_score():
+    at = log_likelihood(WEIGHTS, 1.0, 2e-4, 0.05, 0.3)
+    assert log_likelihood(WEIGHTS, 1.1, 2e-4, 0.05, 0.3) == pytest.approx(at + 0.1 * WEIGHTS.score)
+    assert log_likelihood(WEIGHTS, 1.0, 3e-4, 0.05, 0.3) == pytest.approx(at - 1e-4 * WEIGHTS.fine_strain)
+    assert log_likelihood(WEIGHTS, 1.0, 2e-4, 0.15, 0.3) == pytest.approx(at - 0.1 * WEIGHTS.medial)
+    assert log_likelihood(WEIGHTS, 1.0, 2e-4, 0.05, 0.4) == pytest.approx(at - 0.1 * WEIGHTS.fine_missed)
+
+
+def test_the_same_balls_have_no_gap_and_others_that_of_their_nearest():
+    others, radii = CENTERS[:25] + 0.05, RADII[:25]
+    assert medial_gap(CENTERS, RADII, CENTERS, RADII) == 0
+    found = medial_gap(CENTERS, RADII, others, radii)
+    assert found == pytest.approx(gap_by_loops(CENTERS, RADII, others, radii))
+    assert found == pytest.approx(medial_gap(others, radii, CENTERS, RADII))
+
+
+def test_balls_of_one_limb_meet_from_whichever_side_it_was_scanned():
+    """A cylinder of radius r: the centres of points in front and of points behind are its axis."""
+    angle, height = RANDOM.uniform(0, np.pi, 200), RANDOM.uniform(0, 1, 200)
+    axis = np.column_stack([0 * height, 0 * height, height])
+    front = axis + 0.1 * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    behind = front * [1, -1, 1]
+    radius = np.full(200, 0.1)
+    centers = [side - 0.1 * (side - axis) / 0.1 for side in (front, behind)]
+    assert medial_gap(centers[0], radius, centers[1], radius) < 1e-12
+    assert medial_gap(front, radius, behind, radius) > 0.1
+
+
+def test_surface_operators_have_no_medial_balls():
+    assert medial_gap(CENTERS, 0 * RADII, CENTERS + 1, 0 * RADII) == 0
+
+
+def test_probabilities_add_up_and_do_not_overflow():
+    share = probabilities(WEIGHTS, np.array([1000.0, 1000.0, 999.0, -1e6]))
+    assert share.sum() == pytest.approx(1)
+    assert share[0] == share[1] == pytest.approx(np.e * share[2])
+    assert share[3] == 0
+
+
+def test_where_every_map_is_unlikely_none_is_probable():
+    one = probabilities(WEIGHTS, np.array([WEIGHTS.none]))
+    assert one[0] == 0.5
+    assert probabilities(WEIGHTS, np.array([-30.0, -31.0])).sum() < 1e-10
