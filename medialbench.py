@@ -106,7 +106,7 @@ def scan(
     threshold
         Smallest accepted laser peak in (0, 1]; a higher one loses more surface. Default 0.1.
     views
-        Viewpoints: a number, "sphere:N", "ring:N" or "opposed". Default 10.
+        Viewpoints: a number, "sphere:N", "ring:N", "opposed" or one side as "front:2". Default 10.
     points
         Keep at most this many points, evenly spread. Default: all.
     seed

@@ -29,10 +29,12 @@ class ScannerConfig:
     # the rig
     views: Views = 10
     """Viewpoints: a count (near-uniform on the sphere), ``"sphere:N"``, ``"ring:N"`` (about `up`),
-    ``"opposed"`` (front and back), ``"turntable:N"`` or ``"turntable:N@ELEVATION"`` (degrees), directions
-    ``((x, y, z), ...)`` from the object's centre, or 4 x 4 camera-to-mesh matrices."""
+    ``"opposed"`` (front and back), ``"turntable:N"`` or ``"turntable:N@ELEVATION"`` (degrees), ``"front:N"``,
+    ``"back:N"``, ``"left:N"`` or ``"right:N"`` (1 to 3 cameras on one side), directions ``((x, y, z), ...)``
+    from the object's centre, or 4 x 4 camera-to-mesh matrices."""
     up: Literal["x", "y", "z"] = "y"
-    """Axis of the mesh that is up: axis of rings, and image up. The front is the next axis (y up: z)."""
+    """Axis of the mesh that is up: axis of rings, and image up. The front is the next axis (y up: z),
+    the left of what faces the front the one after it (y up: x)."""
     distance: float | None = None
     """Distance of the eyes from the object's centre, mm; None: `min_range` + half the diagonal."""
     resolution: tuple[int, int] = (400, 400)

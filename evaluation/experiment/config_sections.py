@@ -127,13 +127,12 @@ class MatchingSection:
     sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     """Values by key of the scan condition, for both clouds, or one with ``source.`` or ``target.`` before."""
     regime: tuple[Mapping[str, Any], ...] = ()
-    """Named regimes instead of a sweep: ``name`` and values as in `sweep`, one each."""
+    """Named regimes, after those of a sweep if there is one: ``name`` and values as in `sweep`, one each."""
 
     def __post_init__(self) -> None:
         """Lists to tuples, checked."""
         object.__setattr__(self, "sweep", as_sweep(self.sweep))
         object.__setattr__(self, "regime", tuple(dict(each) for each in self.regime))
-        expect(not (self.sweep and self.regime), "give 'sweep' or 'regime', not both")
         for each in self.regime:
             expect(isinstance(each.get("name"), str), f"a regime needs a name, got {each!r}")
         if isinstance(self.pairs, list | tuple):

@@ -88,13 +88,11 @@ class Experiment:
         """Regimes of the matching part."""
         if self.matching is None:
             return ()
-        if self.matching.regime:
-            named = [
-                ({k: v for k, v in each.items() if k != "name"}, each["name"])
-                for each in self.matching.regime
-            ]
-        else:
-            named = [(values, _named(values)) for values in _product(self.matching.sweep)]
+        swept = _product(self.matching.sweep) if self.matching.sweep or not self.matching.regime else []
+        named = [(values, _named(values)) for values in swept]
+        named += [
+            ({k: v for k, v in each.items() if k != "name"}, each["name"]) for each in self.matching.regime
+        ]
         return tuple(_regime(self.scan, values, name) for values, name in named)
 
     def as_dict(self) -> dict[str, Any]:

@@ -16,6 +16,12 @@ from evaluation.metrics.geodesic import SurfaceDistance
 
 CURVE = np.linspace(0, 0.25, 51)
 """Errors at which the curve of [KLF11] is sampled, in sqrt(area)."""
+SURE = 0.9
+"""Confidence above which a point is sure."""
+RIGHT = 0.1
+"""Error below which a point is right, in sqrt(area): on the right part of a limb."""
+GROSS_ERROR = 0.15
+"""Mean error above which a map is grossly wrong, in sqrt(area): turned, flipped or with limbs swapped."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +92,38 @@ def correspondence_error(
     goal, start = target[source_to_target[matched]], source[matched]
     errors[matched] = distance(start.face_ids, start.barycentrics, goal.face_ids, goal.barycentrics)
     return errors / np.sqrt(area)
+
+
+def least_errors(
+    distance: SurfaceDistance, source: SurfacePoints, target: SurfacePoints, area: float
+) -> NDArray[np.float64]:
+    """The least error that any map can have at each point: ``min_j d(x_i, y_j)`` over the target's points.
+
+    Parameters
+    ----------
+    distance, source, target, area
+        As for `correspondence_error`, whose errors are no lower, with any map, by more than rounding.
+
+    Returns
+    -------
+    (n_source,) float64
+        In sqrt(area).
+    """
+    found = distance.to_nearest(source.face_ids, source.barycentrics, target.face_ids, target.barycentrics)
+    return found / np.sqrt(area)
+
+
+def sure_and_right(errors: NDArray[np.float64], confidence: NDArray[np.float64]) -> float | None:
+    """Share of points with a confidence above `SURE` whose error is below `RIGHT`; None if there are none.
+
+    Parameters
+    ----------
+    errors : (n,)
+        In sqrt(area); nan for points without a match, which do not count.
+    confidence : (n,)
+    """
+    sure = errors[(confidence > SURE) & ~np.isnan(errors)]
+    return float((sure < RIGHT).mean()) if len(sure) else None
 
 
 def pck_curve(errors: NDArray[np.float64], at: NDArray[np.float64] = CURVE) -> NDArray[np.float64]:

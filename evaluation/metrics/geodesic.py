@@ -19,16 +19,8 @@ from scipy.sparse.csgraph import dijkstra
 from datasets_gen.compiled import compiled
 from datasets_gen.points.farthest import farthest_in_metric
 from datasets_gen.shape import Shape
-from evaluation.metrics.unfolding import (
-    ENTRY_DEPTH,
-    REACHED,
-    Floats,
-    Ints,
-    face_adjacency,
-    lay_flat,
-    see_through,
-    shortcuts,
-)
+from evaluation.metrics.nearest_place import arrivals, departures, in_sight, onward
+from evaluation.metrics.unfolding import REACHED, Floats, Ints, enter, face_adjacency, shortcuts
 
 LANDMARKS = 16
 
@@ -88,6 +80,44 @@ class SurfaceDistance:
             np.asarray(other_barycentrics, dtype=np.float64),
         )
 
+    def to_nearest(
+        self,
+        face_ids: NDArray[np.integer],
+        barycentrics: NDArray[np.float64],
+        other_face_ids: NDArray[np.integer],
+        other_barycentrics: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Distance from each point to the nearest of the other points: the least over j of the pairs (i, j).
+
+        One search from all other points at once finds the ways through vertices; straight lines, which pass
+        no vertex, are looked for among the other points on the faces around.
+
+        Parameters
+        ----------
+        face_ids : (n,)
+        barycentrics : (n, 3)
+        other_face_ids : (m,)
+        other_barycentrics : (m, 3)
+
+        Returns
+        -------
+        (n,) float64
+            In the units of the mesh; infinite if no other point is in reach.
+        """
+        here = np.asarray(face_ids, dtype=np.int64), np.asarray(barycentrics, dtype=np.float64)
+        there = np.asarray(other_face_ids, dtype=np.int64), np.asarray(other_barycentrics, dtype=np.float64)
+        mesh = (self._vertices, self._faces, self._neighbour, self._opposite)
+        least = np.asarray(departures(*mesh, *here, onward(self.graph, arrivals(*mesh, *there))))
+        i, j = in_sight(self._neighbour, here[0], there[0])
+        p, q = (
+            np.einsum("nc,ncd->nd", bary[k], self._vertices[self._faces[face[k]]])
+            for (face, bary), k in ((here, i), (there, j))
+        )
+        near = np.linalg.norm(p - q, axis=1) < least[i]  # a line on the surface is no shorter than the chord
+        i, j = i[near], j[near]
+        np.minimum.at(least, i, self(here[0][i], here[1][i], there[0][j], there[1][j]))
+        return least
+
     def from_vertices(self, sources: NDArray[np.integer]) -> NDArray[np.float64]:
         """Distances of all vertices from some, (sources, v)."""
         return np.atleast_2d(dijkstra(self.graph, directed=False, indices=sources))
@@ -118,53 +148,6 @@ def _landmark_distances(graph: csr_array, count: int) -> NDArray[np.float64]:
     """Distances of every vertex from `count` far-apart vertices, (v, count)."""
     rows = farthest_in_metric(lambda k: dijkstra(graph, directed=False, indices=k), count, 0)[1]
     return np.ascontiguousarray(rows.T)
-
-
-@compiled()
-def _enter(
-    vertices: Floats,
-    faces: Ints,
-    neighbour: Ints,
-    opposite: Ints,
-    face: int,
-    weights: Floats,
-    goal_face: int,
-    goal: Floats,
-    ids: Ints,
-    lengths: Floats,
-) -> tuple[int, float]:
-    """Vertices that a point of the surface sees, how many they are, and its distance to a goal it sees."""
-    a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
-    point = weights[0] * vertices[a] + weights[1] * vertices[b] + weights[2] * vertices[c]
-    flat = lay_flat(vertices, a, b, c, point)
-    direct = np.inf
-    if face == goal_face:
-        x = (goal * flat[:, 0]).sum()
-        y = (goal * flat[:, 1]).sum()
-        direct = np.sqrt(x * x + y * y)
-    used = 0
-    for k in range(3):
-        ids[used] = faces[face, k]
-        lengths[used] = np.sqrt(flat[k, 0] ** 2 + flat[k, 1] ** 2)
-        used += 1
-    for edge in range(3):
-        used, seen = see_through(
-            vertices,
-            faces,
-            neighbour,
-            opposite,
-            face,
-            edge,
-            flat,
-            goal_face,
-            goal,
-            ids,
-            lengths,
-            used,
-            ENTRY_DEPTH,
-        )
-        direct = min(direct, seen)
-    return used, direct
 
 
 @compiled()
@@ -256,10 +239,10 @@ def _pairs(
     nearest, farthest = np.empty(marks), np.empty(marks)
     nowhere = np.zeros(3)
     for i in range(len(faces_p)):
-        used_p, best = _enter(
+        used_p, best = enter(
             vertices, faces, neighbour, opposite, faces_p[i], bary_p[i], faces_q[i], bary_q[i], ids_p, len_p
         )
-        used_q, _ = _enter(
+        used_q, _ = enter(
             vertices, faces, neighbour, opposite, faces_q[i], bary_q[i], -1, nowhere, ids_q, len_q
         )
         _goal_bounds(bounds, ids_q, len_q, used_q, nearest, farthest)

@@ -192,6 +192,53 @@ def see_through(
     return used, direct
 
 
+@compiled()
+def enter(
+    vertices: Floats,
+    faces: Ints,
+    neighbour: Ints,
+    opposite: Ints,
+    face: int,
+    weights: Floats,
+    goal_face: int,
+    goal: Floats,
+    ids: Ints,
+    lengths: Floats,
+) -> tuple[int, float]:
+    """Vertices that a point of the surface sees, how many they are, and its distance to a goal it sees."""
+    a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
+    point = weights[0] * vertices[a] + weights[1] * vertices[b] + weights[2] * vertices[c]
+    flat = lay_flat(vertices, a, b, c, point)
+    direct = np.inf
+    if face == goal_face:
+        x = (goal * flat[:, 0]).sum()
+        y = (goal * flat[:, 1]).sum()
+        direct = np.sqrt(x * x + y * y)
+    used = 0
+    for k in range(3):
+        ids[used] = faces[face, k]
+        lengths[used] = np.sqrt(flat[k, 0] ** 2 + flat[k, 1] ** 2)
+        used += 1
+    for edge in range(3):
+        used, seen = see_through(
+            vertices,
+            faces,
+            neighbour,
+            opposite,
+            face,
+            edge,
+            flat,
+            goal_face,
+            goal,
+            ids,
+            lengths,
+            used,
+            ENTRY_DEPTH,
+        )
+        direct = min(direct, seen)
+    return used, direct
+
+
 @compiled(inline="never")
 def shortcuts(vertices: Floats, faces: Ints, neighbour: Ints, opposite: Ints) -> tuple[Ints, Ints, Floats]:
     """All straight lines between vertices over up to `DEPTH` edges, plus the mesh edges themselves.

@@ -93,7 +93,7 @@ def _joint_table(stores: list[ResultsStore]) -> "pd.DataFrame":
         row = joint[twice].iloc[0]
         what = f"{row.dataset}, {row.method}, {row.source_pose} to {row.target_pose}, seed {row.seed}"
         raise InputError(f"the folders hold different results for {what}; they were made by different code")
-    return joint.astype(COLUMNS)
+    return joint.reindex(columns=list(COLUMNS)).astype(COLUMNS)  # earlier versions had fewer columns
 
 
 def _link(source: Path, target: Path) -> None:

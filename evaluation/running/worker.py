@@ -21,7 +21,7 @@ from evaluation.running.attempts import Attempt
 from evaluation.running.process import keep_freed_memory, peak_memory, single_thread
 from evaluation.running.stages.interface import Inputs
 
-CACHED = 8
+CACHED = 12
 """Records a worker keeps, most recently used: neighbouring tasks share inputs."""
 
 ROLE_STAGES = {"shape": "shape", "render": "render", "map": "map"}

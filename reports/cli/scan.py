@@ -31,8 +31,8 @@ from reports.cli.set_options import merged, value_of
 )
 @click.option(
     "--views",
-    help="Viewpoints: a number, sphere:N, ring:N, turntable:N@ELEVATION, opposed, [[x, y, z], ...] or 4 x 4 "
-    "matrices.  [default: preset's, or 10]",
+    help="Viewpoints: a number, sphere:N, ring:N, turntable:N@ELEVATION, opposed, one side (front:N, back:N, "
+    "left:N, right:N), [[x, y, z], ...] or 4 x 4 matrices.  [default: preset's, or 10]",
 )
 @click.option(
     "--points", type=click.IntRange(min=1), help="Keep this many points, evenly spread.  [default: all]"

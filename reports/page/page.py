@@ -12,6 +12,7 @@ from reports.method_order import order_methods
 from reports.tables.columns import (
     GROUP,
     LEADERBOARD,
+    PARTIAL,
     STABILITY,
     STABILITY_GROUP,
     Column,
@@ -28,6 +29,10 @@ SECTIONS = ("missing", "pck", "stability", "pairs", "scans")
 
 BOARD = tuple(column for column in LEADERBOARD if column.name not in ("maps", "missing"))
 """Columns of the leaderboard on the page, where every regime has a head of its own."""
+
+
+EXPLAINED = ("overlap_iou", "spread", "missing", *PARTIAL)
+"""Columns that the page explains by what the tables say of them."""
 
 
 @dataclass
@@ -94,6 +99,7 @@ def render_page(data: PageData) -> str:
         colors=method_colors(data.leaderboard["method"]) if len(data.leaderboard) else {},
         board=blocks(data.leaderboard, BOARD, GROUP, "geodesic_mean", "regime"),
         board_columns=filled_columns(BOARD, data.leaderboard)[len(GROUP) :],
+        explained=EXPLAINED,
         stable=blocks(data.stability, STABILITY, STABILITY_GROUP, "eq18_relative", ""),
         stable_columns=filled_columns(STABILITY, data.stability)[1:] if len(data.stability) else [],
         pictures={name: data.pictures.get(name, []) for name in SECTIONS},

@@ -43,6 +43,13 @@ LEADERBOARD = (
     Column("maps", "maps", 0, about="Pairs of scans, over all seeds."),
     Column("missing", "missing %", 0, about="Surface that the scans lack, mean of both sides."),
     Column("geodesic_mean", "mean error", 1, "low", "Geodesic distance to the right point, × 100 / √area."),
+    Column(
+        "oracle_mean",
+        "least error",
+        1,
+        about="Lowest mean error that any map can have: from each right point to the nearest scanned one.",
+    ),
+    Column("excess_mean", "excess", 1, "low", "Mean error above the least one of the same points."),
     Column("spread", "±", 1, about="Standard deviation of the mean error over seeds."),
     Column("geodesic_median", "median", 1, "low", "Median over points, mean over maps, × 100 / √area."),
     Column(
@@ -53,18 +60,53 @@ LEADERBOARD = (
         "Mean error to the truth or to its mirror image, whichever is lower for the whole map.",
     ),
     Column("flip_rate", "flips %", 0, "low", "Maps that are nearer to the mirror image than to the truth."),
+    Column("gross_rate", "gross %", 0, "low", "Maps with a mean error above 15."),
+    Column(
+        "right_limb",
+        "right limb",
+        2,
+        "high",
+        "Share of limbs of which most points are mapped to the right limb.",
+    ),
+    Column(
+        "mirror_limb",
+        "mirror limb",
+        2,
+        "low",
+        "Share of limbs that come in pairs of which most points are mapped to the other limb of the pair.",
+    ),
     Column(
         "pck_auc", "PCK AUC", 3, "high", "Area under the share of points matched within a radius of 0 to 25."
     ),
     Column("medial_mean", "medial error", 1, "low", "Distance between medial centres, × 100 / √area."),
     Column(
+        "medial_path_mean",
+        "medial path",
+        1,
+        "low",
+        "Distance between medial centres along the body, × 100 / √area.",
+    ),
+    Column(
         "overlap_iou", "overlap IoU", 2, "high", "Confident points against points that have a counterpart."
+    ),
+    Column(
+        "sure_right",
+        "sure right",
+        3,
+        "high",
+        "Share of points with confidence over 0.9 whose error is under 10.",
     ),
     Column(
         "eq18", "Eq. 18", 4, about="Of the method's operator at this threshold; within one operator only."
     ),
     Column("seconds_match", "time s", 1, about="To match one pair, operators given."),
 )
+
+PARTIAL = (
+    *("oracle_mean", "excess_mean", "gross_rate", "right_limb", "mirror_limb", "medial_path_mean"),
+    "sure_right",
+)
+"""Columns of the leaderboard that are shown for regimes under which the scans share little surface."""
 
 STABILITY = (
     Column("dataset", "data set"),

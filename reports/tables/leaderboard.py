@@ -8,7 +8,14 @@ import numpy as np
 import pandas as pd
 
 from reports.method_order import order_methods
-from reports.tables.columns import GROUP, LEADERBOARD, STABILITY
+from reports.tables.columns import GROUP, LEADERBOARD, PARTIAL, STABILITY
+
+LITTLE_SHARED = 0.9
+"""Share of source points with a counterpart below which a regime's scans share little surface."""
+
+
+_RATES = {"flip_rate": "flipped", "gross_rate": "gross"}
+"""Columns in per cent of the maps, and the truth values that they count."""
 
 
 def with_numpy_types(table: pd.DataFrame) -> pd.DataFrame:
@@ -55,13 +62,15 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     Returns
     -------
     DataFrame
-        Columns of `LEADERBOARD` and ``beyond``; empty if nothing was matched.
+        Columns of `LEADERBOARD` and ``beyond``; empty if nothing was matched. Those of `PARTIAL` are nan for
+        regimes under which more than `LITTLE_SHARED` of the source has a counterpart.
     """
     maps = _numeric(table[table["kind"] == "matching"])
     if maps.empty:
         return pd.DataFrame(columns=[column.name for column in LEADERBOARD])
     maps["missing"] = 50 * (maps["source_missing"] + maps["target_missing"])
-    maps["flip_rate"] = 100 * pd.to_numeric(maps["flipped"].astype("object"), errors="coerce")
+    for name, source in _RATES.items():
+        maps[name] = 100 * pd.to_numeric(maps[source].astype("object"), errors="coerce")
     maps["eq18"] = _operator_error(maps, _numeric(table[table["kind"] == "stability"]))
     grouped = maps.groupby([*GROUP, "method"], sort=False)
     means = grouped[[c.name for c in LEADERBOARD if c.name in maps and c.digits is not None]].mean()
@@ -69,6 +78,9 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     by_seed = maps.groupby([*GROUP, "method", "seed"], sort=False)["geodesic_mean"].mean()
     means["spread"] = by_seed.groupby([*GROUP, "method"], sort=False).std()
     result = means.reset_index()
+    shared = maps.groupby(GROUP)["overlap"].mean()
+    little = shared.reindex(pd.MultiIndex.from_frame(result[GROUP])).to_numpy() < LITTLE_SHARED
+    result.loc[~little, list(PARTIAL)] = np.nan
     place = {key: i for i, key in enumerate(dict.fromkeys(zip(maps["dataset"], maps["regime"], strict=True)))}
     rank = [place[key] for key in zip(result["dataset"], result["regime"], strict=True)]
     result = result.assign(_rank=rank, beyond=result["method"].isin(list(beyond)))
@@ -97,13 +109,15 @@ def _numeric(rows: pd.DataFrame) -> pd.DataFrame:
     """A copy in which every measured column is a float; columns a run lacks are nan."""
     rows = rows.copy()
     measured = {c.name for c in (*LEADERBOARD, *STABILITY) if c.digits is not None}
-    for name in (measured - {"maps", "missing", "spread", "flip_rate", "scans"}) | {
+    for name in (measured - {"maps", "missing", "spread", "scans", *_RATES}) | {
         "source_missing",
         "target_missing",
+        "overlap",
     }:
         rows[name] = pd.to_numeric(rows[name], errors="coerce") if name in rows else np.nan
-    if "flipped" not in rows:
-        rows["flipped"] = None
+    for name in _RATES.values():
+        if name not in rows:
+            rows[name] = None
     return rows
 
 

@@ -12,6 +12,14 @@ NARROW = ("method", "missing", "geodesic_mean", "geodesic_median", "flip_rate", 
 WIDE = (*NARROW, "maps", "spread", "geodesic_symmetric_mean", "medial_mean", "seconds_match")
 """Columns from `ROOM` characters on."""
 
+PARTIAL_NARROW, PARTIAL_WIDE = (
+    ("excess_mean", "right_limb"),
+    ("oracle_mean", "excess_mean", "right_limb", "gross_rate"),
+)
+"""Further columns where the scans of a regime share little surface; those of `MAKE_WAY` then make way."""
+
+MAKE_WAY = ("eq18", "geodesic_symmetric_mean")
+
 ROOM = 120
 
 TESTS = (
@@ -34,10 +42,18 @@ def leaderboard_lines(board: pd.DataFrame, width: int) -> Iterator[str]:
     width
         Characters per line.
     """
-    columns = [c for c in filled_columns(LEADERBOARD, board) if c.name in (WIDE if width >= ROOM else NARROW)]
+    columns = _fitting(filled_columns(LEADERBOARD, board), width)
     heads = [f"{row['dataset']}, {row['regime']}" for _, row in board.iterrows()]
     yield from _lines(board, columns, heads, best_cells(board, columns, GROUP))
     yield "[dim]errors × 100 / √area of the rest pose; bold: the best of a group[/]"
+
+
+def _fitting(filled: Sequence[Column], width: int) -> list[Column]:
+    """The columns of a leaderboard that fit the terminal."""
+    names, further = (WIDE, PARTIAL_WIDE) if width >= ROOM else (NARROW, PARTIAL_NARROW)
+    if any(column.name in further for column in filled):
+        names = (*(name for name in names if name not in MAKE_WAY), *further)
+    return [column for column in filled if column.name in names]
 
 
 def tests_lines(tests: pd.DataFrame, measure: str) -> Iterator[str]:

@@ -20,10 +20,17 @@ STEEPEST = 85.0
 """Largest elevation of a turntable's camera, degrees; from straight above, no direction is up."""
 SKEW = 1e-4
 """Largest deviation of a rotation matrix from an orthonormal one, as of numbers with few digits."""
+SIDES = {"front": 0.0, "left": 90.0, "back": 180.0, "right": 270.0}
+"""Sides of a body that faces the front, degrees about the up axis, counter-clockwise as seen from above."""
+MOST_ASIDE = 3
+"""Cameras of a rig on one side; a fourth would look at the next side."""
+ASIDE = 60.0
+"""Degrees about the up axis between the cameras of a rig on one side."""
 _AXES = {"x": 0, "y": 1, "z": 2}
 _FORMS = (
     f"give a count of 1..{MOST_VIEWS}, 'sphere:N', 'ring:N', 'opposed', 'turntable:N', "
-    "'turntable:N@ELEVATION', a list of directions or a list of 4 x 4 camera-to-mesh matrices"
+    f"'turntable:N@ELEVATION', 'front:N', 'back:N', 'left:N' or 'right:N' with N of 1..{MOST_ASIDE}, "
+    "a list of directions or a list of 4 x 4 camera-to-mesh matrices"
 )
 
 
@@ -96,12 +103,15 @@ def directions(views: Views, up: str = "y") -> NDArray[np.float64]:
     Parameters
     ----------
     views
-        A count, ``"sphere:N"``, ``"ring:N"``, ``"opposed"``, ``"turntable:N"``, ``"turntable:N@ELEVATION"``
-        or explicit directions. A turntable turns the part about `up` by 360/N degrees between two views,
-        counter-clockwise as seen from above, so that the camera goes round it clockwise; it starts at the
-        front and looks down on the part by the elevation, degrees.
+        A count, ``"sphere:N"``, ``"ring:N"``, ``"opposed"``, ``"turntable:N"``, ``"turntable:N@ELEVATION"``,
+        ``"front:N"``, ``"back:N"``, ``"left:N"``, ``"right:N"`` or explicit directions. A turntable turns the
+        part about `up` by 360/N degrees between two views, counter-clockwise as seen from above, so that the
+        camera goes round it clockwise; it starts at the front and looks down on the part by the elevation,
+        degrees. A rig on one side has N cameras level with the centre, `ASIDE` degrees apart and spread
+        evenly about that side, counter-clockwise as seen from above.
     up
-        Axis that is up; the front is the axis that follows it in x, y, z, x.
+        Axis that is up; the front is the axis that follows it in x, y, z, x, and the left of what faces the
+        front is the third.
 
     Returns
     -------
@@ -118,6 +128,8 @@ def directions(views: Views, up: str = "y") -> NDArray[np.float64]:
     order = np.roll(np.arange(3), 1 - _AXES[up])  # y-up coordinates -> the mesh's
     if kind == "sphere":
         local = _sphere(count)
+    elif kind in SIDES:
+        local = _aside(kind, count)
     else:
         local = _ring(count) if kind == "ring" else _turntable(count, elevation)
     out = np.empty_like(local)
@@ -131,11 +143,12 @@ def _parse(views: int | str) -> tuple[str, int, float]:
         kind, count, elevation = "sphere", views, 0.0
     else:
         text = "ring:2" if views == "opposed" else views
-        found = re.fullmatch(r"(sphere|ring|turntable):(\d{1,9})(@[-+]?\d+(\.\d*)?)?", text, re.ASCII)
+        kinds = "|".join(("sphere", "ring", "turntable", *SIDES))
+        found = re.fullmatch(rf"({kinds}):(\d{{1,9}})(@[-+]?\d+(\.\d*)?)?", text, re.ASCII)
         kind, count, elevation = "", 0, 0.0
         if found and (found[3] is None or found[1] == "turntable"):
             kind, count, elevation = found[1], int(found[2]), float((found[3] or "@0")[1:])
-    if not 1 <= count <= MOST_VIEWS:
+    if not 1 <= count <= (MOST_ASIDE if kind in SIDES else MOST_VIEWS):
         raise InputError(f"views {views!r} is unknown; {_FORMS}")
     if abs(elevation) > STEEPEST:
         raise InputError(f"views {views!r}: the elevation must lie in -{STEEPEST:g}..{STEEPEST:g} degrees")
@@ -158,8 +171,17 @@ def _explicit(views: object) -> NDArray[np.float64]:
 
 def _ring(count: int) -> NDArray[np.float64]:
     """Equally spaced about y, starting at +z, (count, 3)."""
-    angle = 2 * np.pi * np.arange(count) / count
-    return np.stack([np.sin(angle), np.zeros(count), np.cos(angle)], axis=1)
+    return _level(2 * np.pi * np.arange(count) / count)
+
+
+def _level(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Across y at angles from +z towards +x, radians, (count, 3)."""
+    return np.stack([np.sin(angle), np.zeros(len(angle)), np.cos(angle)], axis=1)
+
+
+def _aside(side: str, count: int) -> NDArray[np.float64]:
+    """Across y and spread evenly about one side, counter-clockwise as seen from above, (count, 3)."""
+    return _level(np.radians(SIDES[side] + ASIDE * (np.arange(count) - (count - 1) / 2)))
 
 
 def _turntable(count: int, elevation: float) -> NDArray[np.float64]:

@@ -18,6 +18,7 @@ class Example(CheckedSettings):
     size: float | None = 1.5
     word: Literal["a", "b"] = "a"
     names: tuple[str, ...] = ()
+    kinds: tuple[Literal["a", "b"], ...] = ("a",)
     table: Mapping[str, Any] | None = None
     anything: Any = None
 
@@ -70,6 +71,8 @@ def test_values_of_the_right_type_pass(values):
         ("word", [], "one of 'a', 'b'"),
         ("names", "medial", "a list, each text"),
         ("names", [1], "a list, each text"),
+        ("kinds", ["a", "c"], r"a list, each one of 'a', 'b', got \['a', 'c'\]"),
+        ("kinds", "a", "a list, each one of 'a', 'b', got 'a'"),
         ("table", 3, "a table or None"),
     ],
 )

@@ -5,21 +5,25 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from datasets_gen import Collection, Shape
 from datasets_gen.meshes.geometry import face_normals
 from evaluation.metrics.correspondence import (
+    GROSS_ERROR,
     SurfacePoints,
     area_under_curve,
     correspondence_error,
     intersection_over_union,
+    least_errors,
     overlap,
     pck_curve,
+    sure_and_right,
     symmetric_mean,
 )
 from evaluation.metrics.diffusion_error import diffusion_error
 from evaluation.metrics.geodesic import SurfaceDistance
+from evaluation.metrics.limbs import Limbs, find_limbs, limb_shares
+from evaluation.metrics.medial_errors import medial_distances, medial_paths
 from evaluation.metrics.mirror_images import mirror_points
 from evaluation.running.stages.interface import Inputs, Output
 from medial.matching.result import CONFIDENT
@@ -68,8 +72,9 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     source, target = surface(inputs.load("source_scan")), surface(inputs.load("target_scan"))
     picked = _evaluated(len(source), spec)
     start, image = source[picked], found.source_to_target[picked]
-    distance = inputs.derive("shape", reference_distance)
+    distance, limbs = inputs.derive("shape", reference_ruler)
     errors = correspondence_error(distance, start, target, image, reference.area)
+    least = least_errors(distance, start, target, reference.area)
     confident = (found.confidence[picked] >= CONFIDENT) & (image >= 0)
     curve = pck_curve(errors)
     there = overlap(start.on(reference), target.on(reference), _radius(reference, len(target)))
@@ -77,11 +82,15 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
         "geodesic_mean": 100 * _mean(errors),
         "geodesic_median": 100 * float(np.nanmedian(errors)) if (image >= 0).any() else None,
         "geodesic_overlap": 100 * _mean(errors[there]),
+        "oracle_mean": 100 * _mean(least),
+        "excess_mean": 100 * _mean(errors - least),
+        "gross": _mean(errors) > GROSS_ERROR if (image >= 0).any() else None,
         "pck_auc": area_under_curve(curve),
         **{f"pck_{name}": float(pck_curve(errors, np.array([at]))[0]) for name, at in _LEVELS.items()},
-        "medial_mean": 100 * _medial_error(inputs, reference, start, target, image),
+        **_medial_errors(inputs, reference, start, target, image),
         "coverage": float(confident.mean()),
         "error_confident": 100 * _mean(errors[confident]),
+        "sure_right": sure_and_right(errors, found.confidence[picked]),
         "overlap_iou": intersection_over_union(confident, there),
         "overlap": float(there.mean()),
         "distinct": len(np.unique(found.source_to_target)) / min(len(source), len(target)),
@@ -90,6 +99,7 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
         "source_missing": inputs.note("source_scan")["missing"],
         "target_missing": inputs.note("target_scan")["missing"],
     }
+    row |= _limbs(limbs, reference, start, target, image)
     row |= _symmetry(collection, distance, start, target, image, row["geodesic_mean"])
     return Output(None, {"row": {k: _finite(v) for k, v in row.items()}, "curve": curve.tolist()})
 
@@ -102,9 +112,10 @@ def surface(scan: Scan) -> SurfacePoints:
     return SurfacePoints(scan.face_ids, scan.barycentrics)
 
 
-def reference_distance(collection: Collection) -> SurfaceDistance:
-    """Distances on the rest pose."""
-    return SurfaceDistance(collection.reference)
+def reference_ruler(collection: Collection) -> tuple[SurfaceDistance, Limbs]:
+    """Distances on the rest pose, and its limbs."""
+    distance = SurfaceDistance(collection.reference)
+    return distance, find_limbs(collection.reference, distance, collection.mirror)
 
 
 def _evaluated(n: int, spec: Mapping[str, Any]) -> NDArray[np.int64]:
@@ -117,18 +128,27 @@ def _radius(reference: Shape, points: int) -> float:
     return float(OVERLAP_SPACINGS * np.sqrt(reference.area / points))
 
 
-def _medial_error(
+def _medial_errors(
     inputs: Inputs, reference: Shape, start: SurfacePoints, target: SurfacePoints, image: NDArray[np.int64]
-) -> float:
-    """Mean distance, in sqrt(area), of the rest pose's medial centres at the right and the found place."""
+) -> dict[str, float]:
+    """Mean distances of the rest pose's medial centres at the right and the found place."""
     diffusion = inputs.load("reference_medial")
     matched = image >= 0
-    tree = cKDTree(diffusion.points)
-    right = tree.query(start[matched].on(reference))[1]
-    got = tree.query(target[image[matched]].on(reference))[1]
-    return _mean(np.linalg.norm(diffusion.centers[right] - diffusion.centers[got], axis=1)) / np.sqrt(
-        reference.area
-    )
+    right, found = start[matched].on(reference), target[image[matched]].on(reference)
+    paths = inputs.derive("reference_medial", medial_paths)
+    straight, along = medial_distances(diffusion, right, found, paths)
+    unit = 100 / np.sqrt(reference.area)
+    return {"medial_mean": unit * _mean(straight), "medial_path_mean": unit * _mean(along)}
+
+
+def _limbs(
+    limbs: Limbs, reference: Shape, start: SurfacePoints, target: SurfacePoints, image: NDArray[np.int64]
+) -> dict[str, Any]:
+    """Shares of the limbs that are mapped to the right limb and to its mirror image."""
+    shown = limbs.of_points(reference, target)
+    there = np.where(image >= 0, shown[image], -1)
+    right, mirrored = limb_shares(limbs.of_points(reference, start), there, shown, limbs.mirror)
+    return {"right_limb": right, "mirror_limb": mirrored}
 
 
 def _symmetry(

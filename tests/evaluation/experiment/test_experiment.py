@@ -1,3 +1,4 @@
+import itertools
 import shutil
 import tomllib
 
@@ -10,6 +11,8 @@ from evaluation.experiment.config_sections import ScanCondition
 from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.make_plan import make_plan, shape_tasks
 from evaluation.experiment.presets import presets
+from evaluation.methods.catalogue import create
+from medial.matching.registration.evidence import KINDS
 from scanner_sim import ScannerConfig
 
 SMALL = {
@@ -50,6 +53,37 @@ def test_one_side_and_the_scanner_can_be_swept():
 def test_named_regimes():
     regimes = changed(matching={"regime": [{"name": "hard", "views": "opposed", "threshold": 0.9}]}).regimes()
     assert [(r.name, r.source.views, r.target.threshold) for r in regimes] == [("hard", "opposed", 0.9)]
+
+
+def test_named_regimes_follow_those_of_a_sweep():
+    hard = {"name": "hard", "source.views": "front:1", "target.views": "back:1"}
+    regimes = changed(matching={"sweep": {"threshold": [0.5]}, "regime": [hard]}).regimes()
+    assert [(r.name, r.source.views, r.target.views, r.source.threshold) for r in regimes] == [
+        ("threshold 0.5", 6, 6, 0.5),
+        ("hard", "front:1", "back:1", 0.3),
+    ]
+
+
+@pytest.mark.parametrize("name", ["opposite", "full"])
+def test_opposite_sides_are_scanned_by_one_to_three_cameras(name):
+    across = {"front": "back", "left": "right"}
+    views = {(r.source.views, r.target.views) for r in Experiment.load(name).regimes()}
+    assert {(f"{a}:{n}", f"{b}:{n}") for a, b in across.items() for n in (1, 2, 3)} <= views
+
+
+def test_ablation_leaves_out_each_kind_of_evidence_and_diffusion():
+    rows = [create(m.name, m.options) for m in Experiment.load("ablation").method]
+    configs = [method.match_config() for method in rows if method.config is None]
+    assert {*itertools.chain(*({*KINDS} - {*c.evidence} for c in configs))} == {*KINDS}
+    assert all(type(c.evidence) is tuple and len(c.evidence) >= len(KINDS) - 1 for c in configs)
+    assert [c.by_diffusion for c in configs].count(False) == 1
+
+
+def test_wrong_evidence_is_named_with_the_kinds_there_are():
+    kinds = ", ".join(map(repr, KINDS))
+    with pytest.raises(InputError, match=f"evidence must be a list, each one of {kinds}, got") as error:
+        create("medial", tomllib.loads('settings = { evidence = ["strain", "path"] }'))
+    assert "\n" not in str(error.value)
 
 
 def test_options_of_a_method_stand_beside_its_name():

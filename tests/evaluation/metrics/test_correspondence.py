@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -11,8 +11,10 @@ from evaluation.metrics.correspondence import (
     area_under_curve,
     correspondence_error,
     intersection_over_union,
+    least_errors,
     overlap,
     pck_curve,
+    sure_and_right,
     symmetric_mean,
 )
 from evaluation.metrics.geodesic import SurfaceDistance
@@ -60,6 +62,23 @@ def test_errors_do_not_depend_on_the_unit_of_length():
     one = correspondence_error(DISTANCE, points(20), points(20, 1), image, BALL.area)
     other = correspondence_error(SurfaceDistance(large), points(20), points(20, 1), image, large.area)
     assert np.allclose(one, other, rtol=1e-9)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 40))
+@settings(max_examples=30, deadline=None)
+def test_no_map_has_a_lower_error_than_the_least_at_any_point(seed, count):
+    source, target = points(25, [seed, 0]), points(count, [seed, 1])
+    least = least_errors(DISTANCE, source, target, BALL.area)
+    image = np.random.default_rng(seed).integers(count, size=25)
+    assert (correspondence_error(DISTANCE, source, target, image, BALL.area) >= least - 1e-12).all()
+    every = [correspondence_error(DISTANCE, source, target, np.full(25, j), BALL.area) for j in range(count)]
+    assert np.allclose(np.min(every, axis=0), least, atol=1e-12)
+
+
+def test_share_of_sure_points_that_are_right():
+    confidence = np.array([0.95, 0.95, 0.95, 0.5, 0.99])
+    assert sure_and_right(np.array([0.05, 0.2, 0.09, 0.0, np.nan]), confidence) == pytest.approx(2 / 3)
+    assert sure_and_right(np.zeros(5), np.full(5, 0.9)) is None
 
 
 @given(arrays(np.float64, st.integers(1, 50), elements=st.floats(0, 1)))

@@ -60,17 +60,16 @@ def test_folding_a_flat_sheet_changes_nothing():
 
 def brute_force(shape, one, other):
     """Dijkstra on the graph with the two points added as vertices."""
-    from evaluation.metrics.geodesic import _enter
-    from evaluation.metrics.unfolding import REACHED
+    from evaluation.metrics.unfolding import REACHED, enter
 
     d = SurfaceDistance(shape)
     v, ids, lengths = len(shape.vertices), np.empty(REACHED, np.int64), np.empty(REACHED)
     found = []
     for fp, bp, fq, bq in zip(*one, *other, strict=True):
         mesh = (d._vertices, d._faces, d._neighbour, d._opposite)
-        used, direct = _enter(*mesh, fp, bp, fq, bq, ids, lengths)
+        used, direct = enter(*mesh, fp, bp, fq, bq, ids, lengths)
         entries = [(v, int(i), length) for i, length in zip(ids[:used], lengths[:used], strict=True)]
-        used, _ = _enter(*mesh, fq, bq, -1, np.zeros(3), ids, lengths)
+        used, _ = enter(*mesh, fq, bq, -1, np.zeros(3), ids, lengths)
         entries += [(int(i), v + 1, length) for i, length in zip(ids[:used], lengths[:used], strict=True)]
         best = {}
         for a, b, length in entries:
@@ -117,6 +116,30 @@ def test_points_on_corners_and_edges(ball):
     far = np.array([500, 500, 500])
     found = distance(np.zeros(3, int), corner, far, np.eye(3)[[0, 0, 0]])
     assert np.allclose(found, expected[:, shape.faces[500, 0]], rtol=1e-12)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 60), st.booleans())
+def test_nearest_of_a_set_is_the_least_of_the_pairs(seed, count, crowded):
+    points, others = random_points(BLOB, 20, [seed, 0]), random_points(BLOB, count, [seed, 1])
+    if crowded:  # many on few faces around one of the points: straight lines decide
+        others = (others[0] % 8 + points[0][0] - 4).clip(0), others[1]
+    i, j = (each.ravel() for each in np.indices((20, count)))
+    pairs = BLOB_DISTANCE(points[0][i], points[1][i], others[0][j], others[1][j]).reshape(20, count)
+    assert np.allclose(BLOB_DISTANCE.to_nearest(*points, *others), pairs.min(axis=1), rtol=1e-12, atol=1e-14)
+
+
+def test_nearest_of_a_set_on_corners_and_out_of_reach():
+    two = as_shape(
+        np.vstack([sphere(1).vertices, sphere(1).vertices + 5]),
+        np.vstack([sphere(1).faces, sphere(1).faces + 42]),
+    )
+    distance, centre = SurfaceDistance(two), np.full((2, 3), 1 / 3)
+    corner = np.array([0]), np.eye(3)[[0]]
+    found = distance.to_nearest(np.array([0, len(two.faces) - 1]), np.eye(3)[[0, 0]], *corner)
+    assert found.tolist() == [0, np.inf]
+    nothing = np.empty(0, int), np.empty((0, 3))
+    assert np.isinf(distance.to_nearest(np.array([0, 1]), centre, *nothing)).all()
 
 
 def test_separate_components_are_infinitely_far():

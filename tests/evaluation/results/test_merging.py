@@ -39,6 +39,19 @@ def test_a_folder_merged_with_itself_is_itself(small, halves, tmp_path):
     pd.testing.assert_frame_equal(merged.table(), store.table())
 
 
+def test_tables_of_earlier_versions_lack_columns_and_can_be_merged(small, halves, tmp_path):
+    import shutil
+
+    store, old = halves(small)["stores"][0], tmp_path / "old"
+    shutil.copytree(store.folder, old)
+    late = ["oracle_mean", "excess_mean", "gross", "right_limb", "medial_path_mean", "sure_right"]
+    store.table().drop(columns=late).to_parquet(old / "table.parquet")
+    table = merge_results([old], tmp_path / "out").table()
+    assert list(table.columns) == list(store.table().columns)
+    assert table.dtypes.equals(store.table().dtypes)
+    assert table[late].isna().all(axis=None)
+
+
 def test_what_cannot_be_merged(small, halves, tmp_path, blobs):
     stores = halves(small)["stores"]
     with pytest.raises(InputError, match="holds files already"):

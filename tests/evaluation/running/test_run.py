@@ -70,6 +70,13 @@ def test_a_run_ends_in_a_table(small, finished):
     assert maps[["source_pose", "target_pose"]].to_numpy().tolist() == [["rest", "bent"], ["rest", "curled"]]
     assert maps.geodesic_mean.between(0, 100).all()
     assert (maps.geodesic_symmetric_mean <= maps.geodesic_mean).all()
+    assert maps.oracle_mean.gt(0).all()
+    assert maps.excess_mean.ge(0).all()
+    assert (
+        maps.excess_mean - (maps.geodesic_mean - maps.oracle_mean)
+    ).abs().max() < 1e-9  # no point is left out
+    assert (maps.medial_path_mean >= maps.medial_mean).all()
+    assert (maps.gross == (maps.geodesic_mean > 15)).all()
     assert maps.seconds_match.gt(0).all()
     assert table.n_points.gt(0).all()
 

@@ -12,6 +12,7 @@ from reports.page.page import headline
 from reports.page.pictures import chosen_pairs, evenly_picked, pair_groups, scan_views
 from reports.tables.leaderboard import with_numpy_types
 from tests.reports.conftest import write_results
+from tests.reports.tables.small import partial
 
 
 class Page(HTMLParser):
@@ -44,6 +45,17 @@ def built(results, tmp_path_factory):
     out = tmp_path_factory.mktemp("report")
     index = reports.build(results, out, pairs=3, progress=lambda *state: seen.append(state))
     return index, Page(index.read_text()), seen
+
+
+def test_the_page_explains_columns_for_scans_that_share_little_surface(tmp_path, built):
+    store = write_results(tmp_path / "results")
+    partial(with_numpy_types(store.table())).to_parquet(store.folder / "table.parquet")
+    index = reports.build(store.folder, pairs=0)
+    page, plain = Page(index.read_text()), built[1]
+    for head in ("least error", "excess", "right limb", "mirror limb", "gross %", "medial path"):
+        assert page.words.count(head) >= 2, head  # in the table and among the explanations
+        assert head not in plain.words
+    assert "least error" in (index.parent / "tables" / "correspondence.md").read_text()
 
 
 def test_the_page_refers_to_files_beside_it_only_and_all_are_there(built):

@@ -3,8 +3,9 @@ import pandas as pd
 import pytest
 
 from evaluation.results.store import ResultsStore
-from reports.tables.columns import GROUP, LEADERBOARD, best_cells
+from reports.tables.columns import GROUP, LEADERBOARD, PARTIAL, best_cells, filled_columns
 from reports.tables.leaderboard import ceilings, leaderboard, stability_table, with_numpy_types
+from tests.reports.tables.small import partial
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +79,21 @@ def test_stability_averages_poses(table):
 def test_empty_tables_stay_empty(table):
     assert leaderboard(table[table["kind"] == "stability"]).empty
     assert stability_table(table[table["kind"] == "matching"]).empty
+
+
+def test_columns_for_scans_that_share_little_are_shown_for_those_only(table):
+    board = leaderboard(partial(table))
+    little = board["regime"] == "threshold 0.8"
+    assert board.loc[little, "excess_mean"].tolist() == pytest.approx(
+        (board.loc[little, "geodesic_mean"] - 2).tolist()
+    )
+    assert set(board.loc[little, "gross_rate"]) == {0.0, 50.0}
+    assert board.loc[~little, list(PARTIAL)].isna().all(axis=None)
+    assert {column.name for column in filled_columns(LEADERBOARD, board)} >= set(PARTIAL)
+
+
+def test_tables_of_earlier_versions_have_no_such_columns(table):
+    late = ["oracle_mean", "excess_mean", "gross", "right_limb", "mirror_limb", "medial_path_mean", "overlap"]
+    board = leaderboard(table.drop(columns=[*late, "sure_right"]))
+    assert not {column.name for column in filled_columns(LEADERBOARD, board)} & set(PARTIAL)
+    assert board["geodesic_mean"].equals(leaderboard(table)["geodesic_mean"])

@@ -43,6 +43,27 @@ def test_rings_lie_across_the_up_axis_and_start_at_the_front(views, up, axis, fr
     assert len(directions) == (2 if views == "opposed" else 6)
 
 
+@pytest.mark.parametrize(("up", "front", "left"), [("x", 1, 2), ("y", 2, 0), ("z", 0, 1)])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_rigs_on_one_side_look_at_that_side(up, front, left, count):
+    sides = {"front": np.eye(3)[front], "back": -np.eye(3)[front]}
+    sides |= {"left": np.eye(3)[left], "right": -np.eye(3)[left]}
+    for name, side in sides.items():
+        directions = viewpoints.directions(f"{name}:{count}", up)
+        assert directions.shape == (count, 3)
+        assert np.allclose(directions[:, "xyz".index(up)], 0)
+        middle = directions.mean(axis=0)
+        assert np.allclose(middle / np.linalg.norm(middle), side)
+        between = np.degrees(np.arccos(np.einsum("vd,vd->v", directions[1:], directions[:-1])))
+        assert np.allclose(between, 60)
+
+
+def test_the_left_of_a_body_that_faces_the_front_is_seen_on_the_right_of_the_image():
+    pose = viewpoints.poses(viewpoints.directions("front:1"), 100.0)[0]
+    left = viewpoints.directions("left:1")[0]
+    assert np.allclose(pose[:3, :3].T @ left, [1, 0, 0])
+
+
 def test_explicit_directions_are_normalised_in_order():
     assert np.allclose(viewpoints.directions([[2, 0, 0], [0, 3, 4]]), [[1, 0, 0], [0, 0.6, 0.8]])
 
@@ -129,6 +150,7 @@ def test_both_cameras_look_at_one_point_from_both_sides_of_the_laser(count, dept
 
 
 STRANGE = [0, -3, True, 5000, "ring", "ring:0", "dome:4", "ring:x", [], [[0, 0, 0]], [[1, 2]], {}]
+STRANGE += ["front", "front:0", "left:4", "back:2@10", "side:2", "opposed:2"]
 STRANGE += ["turntable", "turntable:0", "turntable:4@", "turntable:4@90", "ring:4@10", "ring:\u0664"]
 
 

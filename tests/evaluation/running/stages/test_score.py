@@ -1,0 +1,92 @@
+"""Scores of maps that are known: the true one, its mirror image and none."""
+
+import numpy as np
+import pytest
+
+from datasets_gen import load
+from evaluation.methods import dense
+from evaluation.running.stages.interface import Inputs
+from evaluation.running.stages.score import score_map
+from medial import Diffusion
+from scanner_sim import sample
+
+SPEC = {"evaluated": 400, "seed": 0}
+
+
+@pytest.fixture(scope="module")
+def human():
+    return load("human")
+
+
+def scored(collection, source, target, found):
+    """The row of a map; medial centres of the reference are halfway to the body's axis."""
+    ideal = sample(collection.reference, 1000, seed=9)
+    flat = Diffusion(
+        points=ideal.points,
+        normals=ideal.normals,
+        areas=np.ones(len(ideal)),
+        eigenvalues=np.zeros(1),
+        eigenfunctions=np.ones((len(ideal), 1)),
+        centers=ideal.points * [0.5, 1, 0.5],
+        radii=np.ones(len(ideal)),
+        operator="medial",
+    )
+    records = {"shape": collection, "source_scan": source, "target_scan": target, "map": found}
+    records["reference_medial"] = flat
+    inputs = Inputs(
+        keys={},
+        load=records.__getitem__,
+        note=lambda role: {"missing": 0.0},
+        derive=lambda role, function: function(records[role]),
+    )
+    return score_map(SPEC, inputs).info["row"]
+
+
+def nearest(places, others):
+    return np.linalg.norm(places[:, None] - others[None], axis=2).argmin(axis=1)
+
+
+@pytest.fixture(scope="module")
+def pair(human):
+    return sample(human.reference, 800, seed=1), sample(human.reference, 800, seed=2)
+
+
+def test_the_best_map_has_next_to_no_excess_and_every_limb(human, pair):
+    source, target = pair
+    best = nearest(source.true_points, target.true_points)
+    row = scored(human, source, target, dense(best, np.ones(800)))
+    assert 0 <= row["excess_mean"] < 0.2  # nearest in space is nearly nearest on the surface
+    assert row["oracle_mean"] + row["excess_mean"] == pytest.approx(row["geodesic_mean"])
+    assert (row["right_limb"], row["mirror_limb"], row["gross"]) == (1, 0, False)
+    assert row["sure_right"] == 1
+
+
+def test_the_mirrored_map_has_the_other_limb_of_every_pair(human, pair):
+    source, target = pair
+    mirrored = nearest(source.true_points * [-1, 1, 1], target.true_points)
+    row = scored(human, source, target, dense(mirrored, np.full(800, 0.5)))
+    assert (row["right_limb"], row["mirror_limb"]) == (pytest.approx(1 / 5), 1)  # the head stays
+    assert (row["gross"], row["flipped"], row["sure_right"]) == (True, True, None)
+    assert row["medial_path_mean"] > 1.2 * row["medial_mean"]
+    assert row["excess_mean"] > 15
+
+
+def test_without_the_mirror_map_nothing_is_said_of_mirror_images(human, pair):
+    from dataclasses import replace
+
+    source, target = pair
+    best = nearest(source.true_points, target.true_points)
+    row = scored(replace(human, mirror=None), source, target, dense(best, np.ones(800)))
+    assert (row["right_limb"], row["mirror_limb"], row["flipped"]) == (1, None, None)
+
+
+def test_points_without_a_match_have_no_part_in_the_excess(human, pair):
+    source, target = pair
+    best = nearest(source.true_points, target.true_points)
+    height = source.true_points[:, 1]
+    row = scored(human, source, target, dense(np.where(height > 1, best, -1), np.ones(800)))
+    assert 0 <= row["excess_mean"] < 0.2
+    nothing = scored(human, source, target, dense(np.full(800, -1), np.ones(800)))
+    assert nothing["oracle_mean"] == row["oracle_mean"] > 0  # of all points, whatever the map
+    assert (nothing["excess_mean"], nothing["gross"], nothing["sure_right"]) == (None, None, None)
+    assert nothing["right_limb"] == 0
