@@ -124,7 +124,8 @@ def _words(hint: Any) -> str:
     if kind is tuple and Ellipsis not in parts:
         return f"a list of {len(parts)}, each {_words(parts[0])}"
     if kind is tuple:
-        return f"a list, each {_words(parts[0])}" if parts[0] in _WORDS else "a list"
+        simple = parts[0] in _WORDS or get_origin(parts[0]) is Literal
+        return f"a list, each {_words(parts[0])}" if simple else "a list"
     return "a table" if kind is Mapping else _WORDS[kind]
 
 

@@ -45,13 +45,13 @@ class Weights:
     """Log-likelihood of a unit of score."""
     fine_strain: float = 9000.0
     """Of the mean square strain of the finely settled fit."""
-    medial: float = 20.0
+    medial: float = 40.0
     """Of the distance between medial balls (`medial_gap`)."""
     fine_missed: float = 2.0
     """Of the surface that the finely settled fit misses."""
-    none: float = 2.0
-    """Log-likelihood of no map of those found being right: right ones of posed bodies were at 3.5 to 15, the
-    best ones between unrelated shapes at -33 to -5."""
+    none: float = 1.0
+    """Log-likelihood of no map of those found being right: right ones of posed bodies were at 2 to 15, the
+    best ones between unrelated shapes below -5."""
 
     @classmethod
     def of(cls, kinds: Collection[Kind]) -> "Weights":
