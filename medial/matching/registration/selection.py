@@ -86,22 +86,22 @@ class FineSelection:
     def rivals(self, finalists: list[Finalist]) -> list[Rival]:
         """The finalists, and the fits that were not settled finely and differ from them and from each other.
 
-        Settled finely, these are taken to lose what the best one loses: they are less likely than it by the
-        difference of their scores, and never more likely.
+        Settled finely, these are taken to lose what the finalists lose (median); they count as no more likely
+        than the best.
 
         Parameters
         ----------
         finalists
             The most likely one first.
         """
-        best = finalists[0]
-        rivals: list[Rival] = list(finalists)
-        score = self._placements[best.number].score
+        unit, rivals = self._weights.score, list[Rival](finalists)
+        loss = float(
+            np.median([unit * self._placements[f.number].score - f.log_likelihood for f in finalists])
+        )
         for k in _by_score(self._placements):
             each = self._placements[k]
             if all(each.gap(self._placements[other.number]) > SAME_FIT for other in rivals):
-                less = self._weights.score * max(0.0, score - each.score)
-                rivals.append(Rival(k, best.log_likelihood - less))
+                rivals.append(Rival(k, min(finalists[0].log_likelihood, unit * each.score - loss)))
         return rivals
 
     def dense(self, finalist: Finalist) -> DenseFit:

@@ -113,6 +113,8 @@ def test_fits_that_were_not_settled_finely_are_rivals_by_their_score(fits):
     selection = FineSelection([fits[0]] * 4, placements, replace(SMALL, finalists=1))
     (best,) = selection.finalists()
     rivals = selection.rivals([best])
+    lossy = replace(best, number=1, log_likelihood=best.log_likelihood - 3.0)
+    assert selection.rivals([best, best, lossy, lossy, lossy])[-1].log_likelihood < rivals[-1].log_likelihood
     assert [each.number for each in rivals] == [0, 1, 2]
     losses = [best.log_likelihood - each.log_likelihood for each in rivals]
     assert losses == pytest.approx([0.0, 0.1 * WEIGHTS.score, 0.2 * WEIGHTS.score])
