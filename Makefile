@@ -3,10 +3,12 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 OUT    ?= results/quick
+CASES  ?= 1000000
+JOBS   ?= 1
 CORE   := $(VENV)/.core
 DEV    := $(VENV)/.dev
 
-.PHONY: bench test test-all lint perf clean help
+.PHONY: bench test test-all lint perf fuzz clean help
 
 help:
 	@echo "make bench     set up, then scan, match, evaluate and report on the built-in shapes"
@@ -14,6 +16,7 @@ help:
 	@echo "make test-all  the same with the slow tests"
 	@echo "make lint      ruff (lint, format) and mypy"
 	@echo "make perf      time and memory of every stage"
+	@echo "make fuzz      broken files for every reader: CASES=$(CASES) in JOBS=$(JOBS) processes"
 
 $(CORE): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "no python3.11 on PATH; install it or set PYTHON=..." >&2; exit 1; }
@@ -48,6 +51,9 @@ lint: $(DEV)
 perf: $(DEV)
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-only -s \
 		--benchmark-time-unit=ms --benchmark-columns=min,median,max,rounds
+
+fuzz: $(DEV)
+	$(BIN)/python -m tests.fuzzing.fuzz --count $(CASES) --processes $(JOBS)
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

@@ -8,6 +8,7 @@ from typing import Any
 
 from datasets_gen.collection import Collection
 from datasets_gen.fingerprints import code_fingerprint, digest
+from datasets_gen.paths import safe_name
 from datasets_gen.records import InputError
 
 _log = logging.getLogger(__name__)
@@ -40,7 +41,7 @@ def cache_path(name: str, parameters: Mapping[str, Any], module: str) -> Path:
         In `cache_folder`; need not exist.
     """
     key = digest({"name": name, "parameters": parameters, "code": code_fingerprint(module)})
-    return cache_folder() / f"{name}-{key[:20]}.npz"
+    return cache_folder() / f"{safe_name(name)}-{key[:20]}.npz"
 
 
 def fetch(path: Path) -> Collection | None:

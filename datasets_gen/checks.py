@@ -15,6 +15,7 @@ from datasets_gen.shape import Shape
 _log = logging.getLogger(__name__)
 
 FLAT_FACE = 1e-12  # area of a degenerate face, in squared bounding-box diagonals
+LARGEST = 1e70  # coordinate; areas and their squares of larger meshes are infinite
 OPEN = 0.1  # length of the mean face normal from which on a mesh is open; 0 if closed, 1 if flat
 
 
@@ -106,6 +107,9 @@ def _check_finite(shape: Shape, index: NDArray[np.integer]) -> None:
     bad = int((~np.isfinite(shape.vertices[index])).any(axis=1).sum())
     if bad:
         raise InputError(f"{shape.name!r} has {bad} vertices that are NaN or infinite; export it again")
+    largest = float(np.abs(shape.vertices[index]).max(initial=0))
+    if largest > LARGEST:
+        raise InputError(f"{shape.name!r} has a coordinate of {largest:.3g}; choose larger units")
 
 
 def _check_ids(shape: Shape) -> None:

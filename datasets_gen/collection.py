@@ -1,13 +1,14 @@
 """The `Collection` type: the poses of one subject, with the file that the cache and the results share."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.record_arrays import check_ids, check_layout, check_values
 from datasets_gen.records import InputError, load_record, save_record, unpacking
 from datasets_gen.shape import Shape
 
@@ -138,6 +139,7 @@ class Collection:
         """
         arrays, meta = load_record(path, _KIND)
         with unpacking(path, _KIND):
+            _check(arrays, meta)
             shapes = {
                 pose: Shape(vertices, arrays["faces"], name, meta["subject"], pose, meta["units"])
                 for pose, name, vertices in zip(
@@ -146,3 +148,15 @@ class Collection:
             }
             chosen = tuple(shapes[pose] for pose in meta["poses"])
             return cls(meta["subject"], chosen, shapes[meta["reference"]], arrays.get("mirror"))
+
+
+def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
+    """Raise ValueError unless the arrays and names of a file make poses."""
+    mirror = {"mirror": "int v"} if "mirror" in arrays else {}
+    layout = {"vertices": "float p v 3", "faces": "int f 3", **mirror}
+    vertices = check_layout(arrays, layout, finite="vertices")["v"]
+    for name in ("faces", *mirror):
+        check_ids(arrays[name], vertices, name)
+    check_values(Shape, {"subject": meta["subject"], "units": meta["units"]})
+    for pose, name in zip(meta["stored"], meta["names"], strict=True):
+        check_values(Shape, {"pose": pose, "name": name})

@@ -11,10 +11,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+
+_COUNT = "arrays"
+"""Entry of a record's metadata that says how many arrays there are."""
 
 _DEVICE_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """Of a device that cannot take a file, whatever the writer does."""
@@ -95,7 +98,7 @@ def save_record(
     with atomic_path(path) as temporary, temporary.open("wb") as stream:
         fields: dict[str, Any] = {
             "kind": np.array(kind),
-            "meta": np.array(json.dumps(meta, default=_plain)),
+            "meta": np.array(json.dumps({**meta, _COUNT: len(arrays)}, default=_plain)),
             **arrays,
         }
         np.savez(stream, **fields)
@@ -121,18 +124,30 @@ def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any]
         If the file is missing, cut short, or holds another kind of record.
     """
     try:
-        with np.load(as_path(path), allow_pickle=False) as data:
-            found = str(data["kind"]) if "kind" in data else "no medialbench record"
+        with ZipFile(as_path(path)) as file:
+            found = str(_array(file, "kind")) if "kind.npy" in file.namelist() else "no medialbench record"
             if found != kind:
                 raise InputError(f"{str(path)!r} holds {found!r}, not {kind!r}")
-            meta = json.loads(str(data["meta"]))
-            return {name: data[name] for name in data.files if name not in ("kind", "meta")}, meta
+            meta = json.loads(str(_array(file, "meta")))
+            names = {name.removesuffix(".npy") for name in file.namelist()} - {"kind", "meta"}
+            if meta.pop(_COUNT, len(names)) != len(names):
+                raise ValueError("arrays are missing")
+            return {name: _array(file, name) for name in sorted(names)}, meta
     except FileNotFoundError as error:
         raise InputError(f"{str(path)!r} does not exist") from error
-    except (OSError, EOFError, BadZipFile, ValueError, KeyError, TypeError) as error:
-        if isinstance(error, InputError):
-            raise
+    except InputError:
+        raise
+    except Exception as error:  # a damaged archive makes its reader raise anything
         raise InputError(f"{str(path)!r} is not a readable {kind} file ({error}); make it again") from error
+
+
+def _array(file: ZipFile, name: str) -> NDArray[Any]:
+    """An array of an archive, all of it: its checksum is compared when its end is reached, not before."""
+    with file.open(f"{name}.npy") as stream:
+        array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
+        if stream.read(1):
+            raise ValueError(f"{name} is longer than its header says")
+    return array
 
 
 @contextmanager

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.meshes.geometry import face_areas, solid_faces
+from datasets_gen.record_arrays import check_layout, check_values
 from datasets_gen.records import load_record, save_record, unpacking
 
 
@@ -99,4 +100,6 @@ class Shape:
         """Read a file written by `save`."""
         arrays, meta = load_record(path, "Shape")
         with unpacking(path, "Shape"):
+            check_layout(arrays, {"vertices": "float v 3", "faces": "int f 3"})
+            check_values(cls, meta)
             return cls(**arrays, **meta)

@@ -111,8 +111,16 @@ def _fits(value: Any, hint: Any) -> bool:
         return isinstance(value, Mapping)
     if kind is int or kind is float:
         number = isinstance(value, Integral if kind is int else Real) and not isinstance(value, bool)
-        return number and (kind is int or math.isfinite(value))
+        return number and (kind is int or _is_finite(value))
     return kind not in _WORDS or isinstance(value, kind)
+
+
+def _is_finite(value: Any) -> bool:
+    """Whether a number is a finite float; whole numbers of hundreds of digits are none."""
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _words(hint: Any) -> str:

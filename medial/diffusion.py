@@ -1,5 +1,6 @@
 """The `Diffusion` type: the spectrum of an operator on a point cloud, and its heat kernel."""
 
+import logging
 import os
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -7,12 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.record_arrays import check_layout, check_values
 from datasets_gen.records import load_record, save_record, unpacking
 from medial.departures import Departures
 from medial.device.backend import CPU, backend
 from medial.operator import Operator, build_operator
 from medial.places import distinct_places
 from medial.spectrum.modes import smallest_modes
+
+log = logging.getLogger(__name__)
 
 GONE = 1e-25
 """Modes that have decayed to less than this count as gone: no sum feels them beside the first, which stays 1.
@@ -72,7 +76,8 @@ class Diffusion:
         """Build an operator on a cloud and take its smallest modes.
 
         Points at the same place count as one while the operator is built; each of them gets its share of the
-        area.
+        area. Stray points, few and far from all others, are left out; they get no area, and the functions of
+        the nearest point.
 
         Parameters
         ----------
@@ -84,7 +89,7 @@ class Diffusion:
             ``"medial"`` (Eqs. 4-15), ``"heat"`` (Gaussian weights alone [BSW09]) or ``"robust"`` (tufted
             Laplacian [Sharp & Crane 2020]).
         modes
-            Eigenpairs to keep.
+            Eigenpairs to keep; all but one of a cloud with fewer points.
         eta
             Share of the Gaussian weights in Eq. 15; None takes phi alone, as in Eq. 8.
         **settings
@@ -99,7 +104,11 @@ class Diffusion:
         config = Operator(operator=operator, modes=modes, eta=eta, **settings)
         if config.device != CPU:
             backend(config.device)  # missing: say so before anything is computed
-        places = distinct_places(points, normals, modes)
+        places = distinct_places(points, normals)
+        if modes >= len(places.cloud):
+            most = len(places.cloud) - 1
+            log.warning("%d places carry %d modes, not %d: so many are taken", most + 1, most, modes)
+            modes = most
         stiffness, areas, centers, radii = build_operator(places.cloud, config)
         eigenvalues, eigenfunctions, residual = smallest_modes(
             stiffness,
@@ -112,7 +121,7 @@ class Diffusion:
         return cls(
             places.points,
             places.normals,
-            areas[places.index] / places.copies,
+            places.share_of(areas),
             eigenvalues,
             eigenfunctions[places.index],
             centers[places.index],
@@ -167,7 +176,16 @@ class Diffusion:
         arrays, meta = load_record(path, "Diffusion")
         meta.pop("surface", None)
         with unpacking(path, "Diffusion"):
+            check_layout(arrays, _LAYOUT, finite="points normals areas eigenvalues eigenfunctions")
+            check_values(cls, meta)
             return cls(**{name: arrays[name] for name in _ARRAYS}, **meta)
 
 
+_LAYOUT = {
+    **dict.fromkeys(("points", "normals", "centers"), "float n 3"),
+    **dict.fromkeys(("areas", "radii"), "float n"),
+    "eigenvalues": "float k",
+    "eigenfunctions": "float n k",
+}
+"""Arrays of a file (`datasets_gen.record_arrays`)."""
 _ARRAYS = ("points", "normals", "areas", "eigenvalues", "eigenfunctions", "centers", "radii")

@@ -78,7 +78,9 @@ class Operator(CheckedSettings):
         if self.eta is not None and not 0 <= self.eta <= 1:
             raise InputError(f"eta is {self.eta}; choose it in [0, 1]")
         if self.reference_points is not None and not 0 < self.reference_points < np.inf:
-            raise InputError(f"reference_points is {self.reference_points}; give a positive number or None")
+            raise InputError(
+                f"reference_points is {self.reference_points}; give a positive number (in Python also None)"
+            )
         if not 0 < self.tolerance < 1:
             raise InputError(f"tolerance is {self.tolerance}; choose it in (0, 1)")
         check_similarity(self.sigma_e, self.sigma_t, self.cutoff)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.records import InputError
-from medial.outward import check_normals, estimate_normals
+from datasets_gen.points.strays import stray_points, words
+from medial.outward import check_normals, estimate_normals, nearest_kept
 from medial.similarity.leaves import kd_order
 from medial.validation import OrientedCloud, check_points, unit_normals
 
@@ -27,7 +27,9 @@ class Places:
     index : (n,) int64
         Place of each point.
     copies : (n,) int64
-        Points at the same place, itself included.
+        Points at the same place, itself included; strays not counted.
+    stray : (n,) bool
+        Points far from all others, which are not among the places; their place is the nearest one.
     """
 
     cloud: OrientedCloud
@@ -35,18 +37,21 @@ class Places:
     normals: NDArray[np.float64]
     index: NDArray[np.int64]
     copies: NDArray[np.int64]
+    stray: NDArray[np.bool_]
+
+    def share_of(self, areas: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Area of each point, (n,): its share of its place's, and none of a stray."""
+        return np.where(self.stray, 0.0, areas[self.index] / self.copies)
 
 
-def distinct_places(points: NDArray[np.floating], normals: NDArray[np.floating] | None, modes: int) -> Places:
-    """Merge points at the same place, and check or estimate the normals.
+def distinct_places(points: NDArray[np.floating], normals: NDArray[np.floating] | None) -> Places:
+    """Leave stray points out, merge points at the same place, and check or estimate the normals.
 
     Parameters
     ----------
     points : (n, 3)
     normals : (n, 3) or None
         Outward normals; None estimates them.
-    modes
-        Eigenpairs that will be asked for: there must be more places.
 
     Raises
     ------
@@ -54,23 +59,28 @@ def distinct_places(points: NDArray[np.floating], normals: NDArray[np.floating] 
         If the cloud cannot carry an operator.
     """
     given = check_points(points)
-    places, which, counts = np.unique(given, axis=0, return_inverse=True, return_counts=True)
+    unit = None if normals is None else unit_normals(given, normals)
+    stray = stray_points(given)
+    if stray.any():
+        log.warning("%s: they set no scale and carry no area", words(stray))
+    body = given[~stray]
+    places, which, counts = np.unique(body, axis=0, return_inverse=True, return_counts=True)
     which = which.ravel()
-    if len(places) < len(given):
-        log.info("%d of %d points coincide with another: merged", len(given) - len(places), len(given))
+    if len(places) < len(body):
+        log.info("%d of %d points coincide with another: merged", len(body) - len(places), len(body))
     check_points(places)
-    if modes >= len(places):
-        raise InputError(f"{modes} modes asked of {len(places)} points; give fewer modes or more points")
-    if normals is None:
+    if unit is None:
         log.warning("normals are missing: estimated from the points and oriented along a spanning tree")
         merged = estimate_normals(places)
     else:
-        merged = check_normals(places, _merged_normals(unit_normals(given, normals), which, len(places)))
+        merged = check_normals(places, _merged_normals(unit[~stray], which, len(places)))
     order = kd_order(places)
     position = np.empty_like(order)
     position[order] = np.arange(len(order))
     cloud = OrientedCloud(places[order], unit_normals(places[order], merged[order]))
-    return Places(cloud, given, merged[which], position[which], counts[which])
+    if stray.any():
+        which = which[nearest_kept(given, stray)]
+    return Places(cloud, given, merged[which], position[which], counts[which], stray)
 
 
 def _merged_normals(

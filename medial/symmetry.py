@@ -23,6 +23,7 @@ from medial.matching.nearest import single_blas_thread
 from medial.matching.prepared import prepare_pair
 from medial.matching.registration.placement import UNMOVED, unmoved_share
 from medial.matching.result import Matching
+from medial.matching.without_strays import WithoutStrays, of_all_points
 
 REFLECTION = np.array([-1.0, 1.0, 1.0])
 """Factors of the coordinates: the reflection in the plane x = 0."""
@@ -65,6 +66,12 @@ def intrinsic_symmetry(
     InputError
         If the selection is not by fit.
     """
+    part = WithoutStrays.of(diffusion)
+    return of_all_points(_symmetry(part.diffusion, config, seed), part, part)
+
+
+def _symmetry(diffusion: Diffusion, config: MatchConfig | str | None, seed: int) -> Matching:
+    """`intrinsic_symmetry` of a cloud without strays."""
     config = MatchConfig.of(config, diffusion.departures)
     if not (config.departures or diffusion.departures).mirrored_symmetry:
         return match(diffusion, diffusion, config, seed)

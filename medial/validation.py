@@ -79,7 +79,7 @@ def unit_normals(points: NDArray[np.float64], normals: NDArray[np.floating]) -> 
     if bad.any():
         raise InputError(
             f"{bad.sum()} normals are zero or not finite, the first is number {bad.argmax()}; "
-            "give unit outward normals, or None to estimate them"
+            "give unit outward normals, or none at all: then they are estimated"
         )
     if np.abs(lengths - 1).max() > 1e-3:
         log.warning("normals are not unit (lengths %.3g to %.3g): normalised", lengths.min(), lengths.max())

@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from datasets_gen import InputError, Shape, as_shape
+from datasets_gen.points.strays import stray_points
 from datasets_gen.values import check_count, check_seed, real_array
 from medial import Departures, Diffusion, MatchConfig, Matching
 from medial.matching.common_units import SETTINGS
@@ -135,8 +137,8 @@ def prepared(
             if made != asked and (key != "departures" or given.departures != Departures.of(asked)):
                 raise InputError(f"{name} is a Diffusion with other {key}; build it with {key}={asked!r}")
         cloud = bare_scan(given.points, given.normals, name)
-        return CloudToMatch(ThinnedCloud.of(cloud, len(given)), given)
-    thinned = ThinnedCloud.of(as_cloud(given, points, seed, name), points, seed)
+        return CloudToMatch(ThinnedCloud.whole(cloud), given)
+    thinned = ThinnedCloud.of(as_cloud(given, points, seed, name), points, seed, name)
     scan = thinned.scan
     return CloudToMatch(
         thinned, Diffusion.from_points(scan.points, scan.normals, operator=operator, modes=modes, **settings)
@@ -181,7 +183,7 @@ def check_pair(found: Matching, source: Scan, target: Scan) -> None:
         ("target", found.target_points, target.points),
     ):
         if held is not None and not (
-            held.shape == given.shape and np.allclose(held, given, 0, SAME * np.ptp(held))
+            held.shape == given.shape and np.allclose(held, given, 0, SAME * _extent(held))
         ):
             raise InputError(
                 f"the map was made of another {name}: its points are not those of the one given; "
@@ -189,8 +191,13 @@ def check_pair(found: Matching, source: Scan, target: Scan) -> None:
             )
 
 
+def _extent(points: NDArray[np.float64]) -> float:
+    """Extent of a cloud without its strays; 0 of an empty one."""
+    return float(np.ptp(points[~stray_points(points)])) if len(points) else 0.0
+
+
 def extended(found: Matching, source: CloudToMatch, target: CloudToMatch) -> Matching:
     """The map carried from the matched points to all given ones, with the points of both clouds."""
     here, there = source.cloud, target.cloud
-    whole = found.extended(here.nearest, here.kept, there.kept)
+    whole = found.extended(here.nearest, here.kept, there.kept, here.stray)
     return replace(whole, source_points=here.points, target_points=there.points)

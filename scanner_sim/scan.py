@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.points.farthest import farthest_points
+from datasets_gen.record_arrays import check_layout, check_values
 from datasets_gen.records import InputError, load_record, save_record, unpacking
 from datasets_gen.values import check_count, check_seed
 from scanner_sim.output.ply import write_points
@@ -147,12 +148,22 @@ class Scan:
         """Read a ``.npz`` written by `save`."""
         arrays, meta = load_record(path, "Scan")
         with unpacking(path, "Scan"):
+            check_layout(arrays, _LAYOUT, finite="points")
+            check_values(cls, meta)
             meta["config"] = ScannerConfig.from_dict(meta["config"])
             return cls(**arrays, **meta)
 
 
 _WHOLE = ("poses", "scale", "shape_name", "config", "seed", "variant")
 _ARRAYS = [f.name for f in fields(Scan) if f.name not in _WHOLE]
+_LAYOUT = {
+    **dict.fromkeys(("points", "normals", "barycentrics", "true_points"), "float n 3"),
+    **dict.fromkeys(("intensity", "width", "angle"), "float n"),
+    **dict.fromkeys(("face_ids", "view_ids"), "int n"),
+    "pixels": "int n 2",
+    "poses": "float V 4 4",
+}
+"""Arrays of a file (`datasets_gen.record_arrays`)."""
 
 
 _WRITERS = {

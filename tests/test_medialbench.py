@@ -171,8 +171,27 @@ def test_settings_that_nothing_has_are_named(scans):
     for call in (mb.match, mb.symmetry):
         with pytest.raises(mb.InputError, match="match config is 'papr'"):
             call(None, **({"target": None} if call is mb.match else {}), config="papr")  # before anything
-    with pytest.raises(mb.InputError, match="300 modes asked of 200 points; give fewer modes"):
-        mb.match(*scans, points=200)
+
+
+def test_small_clouds_take_the_modes_that_they_have(scans, caplog):
+    found = mb.match(scans[0], scans[1].subsample(200), modes=300, points=400)
+    assert len(found) == len(scans[0])
+    assert "200 places carry 199 modes, not 300: so many are taken" in caplog.text
+
+
+@pytest.mark.parametrize(("count", "lengths"), [(1, 1e4), (3, 10), (20, 1e6)])
+def test_stray_points_change_nothing_for_the_others(scans, found, count, lengths, caplog):
+    """One point 10,000 body lengths away once made 97 % of a map wrong and confident."""
+    away = np.random.default_rng(count).normal(size=(count, 3))
+    away *= lengths * np.ptp(scans[0].points, axis=0).max() / np.linalg.norm(away, axis=1, keepdims=True)
+    strewn = [(np.concatenate([away, s.points]), np.concatenate([away / lengths, s.normals])) for s in scans]
+    plain, found = found, mb.match(*strewn, **FAST)
+    assert np.array_equal(found.source_to_target[count:], plain.source_to_target + count)
+    assert np.array_equal(found.confidence[count:], plain.confidence)
+    assert (found.confidence[:count] == 0).all()
+    assert (found.source_to_target >= count).all()
+    assert np.isin(found.source_to_target[:count], found.source_to_target[count:]).all()
+    assert caplog.text.count("far from all others; not matched") == 2
 
 
 @pytest.mark.parametrize(

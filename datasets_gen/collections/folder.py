@@ -18,6 +18,8 @@ from datasets_gen.checks import admitted
 from datasets_gen.collection import Collection
 from datasets_gen.meshes.files import MESH_SUFFIXES, read_mesh, write_mesh
 from datasets_gen.meshes.mirroring import mirror_map
+from datasets_gen.parsing import parsed_json
+from datasets_gen.paths import distinct_names, inside
 from datasets_gen.records import InputError, atomic_path
 from datasets_gen.shape import Shape
 
@@ -134,6 +136,9 @@ def write_collection(
 ) -> Path:
     """Write every pose as ``.ply`` and, last, a manifest that `load_folder` reads back.
 
+    Poses whose names are no file names are written under encoded ones (`datasets_gen.paths.safe_name`); the
+    manifest has the names as they are.
+
     Parameters
     ----------
     collection
@@ -154,9 +159,10 @@ def write_collection(
     """
     root = Path(folder)
     shapes = {shape.pose: shape for shape in (collection.reference, *collection.shapes)}
+    files = {pose: f"{name}.ply" for pose, name in distinct_names(list(shapes), "pose").items()}
     strangers = sorted(
         file.name for file in (root.iterdir() if root.is_dir() else ())
-        if file.suffix.lower() in MESH_SUFFIXES and file.name not in {f"{pose}.ply" for pose in shapes}
+        if file.suffix.lower() in MESH_SUFFIXES and file.name not in files.values()
     )  # fmt: skip
     if strangers:
         raise InputError(f"{str(folder)!r} already holds {strangers[0]!r}; choose an empty folder")
@@ -169,13 +175,13 @@ def write_collection(
         "reference": reference.pose,
         "vertices": len(reference.vertices),
         "faces": len(reference.faces),
-        "poses": [{"pose": pose, "file": f"{pose}.ply"} for pose in shapes],
+        "poses": [{"pose": pose, "file": file} for pose, file in files.items()],
         "made_by": f"medialbench {code_version()}",
         **(about or {}),
     }
     try:
-        for shape in shapes.values():
-            write_mesh(shape, root / f"{shape.pose}.ply")
+        for pose, shape in shapes.items():
+            write_mesh(shape, root / files[pose])
         with atomic_path(root / MANIFEST) as temporary:
             temporary.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
     except BaseException:
@@ -214,9 +220,9 @@ def _read_manifest(root: Path) -> dict[str, Any]:
     if not path.is_file():
         return {}
     try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{str(path)!r} is not readable JSON ({error}); correct or remove it") from error
+        manifest = parsed_json(path.read_bytes(), repr(str(path)))
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be read: {error.strerror}; correct or remove it") from error
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
         _log.warning("%s is not a medialbench manifest (format %r); ignored", path, FORMAT)
         return {}
@@ -227,11 +233,15 @@ def _pose_files(root: Path, manifest: dict[str, Any]) -> dict[str, Path]:
     """Mesh file of each pose, in natural order of the names or in the manifest's order."""
     if manifest:
         try:
-            files = {str(entry["pose"]): root / str(entry["file"]) for entry in manifest["poses"]}
-        except (KeyError, TypeError) as error:
-            raise InputError(
-                f"{str(root / MANIFEST)!r} lacks 'poses' of 'pose' and 'file'; write it again"
-            ) from error
+            named = [(entry["pose"], entry["file"]) for entry in manifest["poses"]]
+            words = all(isinstance(each, str) and each for pair in named for each in pair)
+        except (KeyError, TypeError):
+            words = False
+        if not words:
+            raise InputError(f"{str(root / MANIFEST)!r} lacks 'poses' of 'pose' and 'file'; write it again")
+        files = {pose: inside(root, file, f"file of pose {pose!r}") for pose, file in named}
+        if len(files) < len(named):
+            raise InputError(f"{str(root / MANIFEST)!r} names a pose twice; keep one of each")
     else:
         found = [file for file in root.iterdir() if file.suffix.lower() in MESH_SUFFIXES]
         found.sort(key=lambda file: _natural(file.name))

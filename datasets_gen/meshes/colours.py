@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.paths import inside
 from datasets_gen.records import InputError
 
 Colours = dict[str, Any]
@@ -133,7 +134,7 @@ def _image(name: str, mesh: Path) -> NDArray[np.uint8]:
     """Image file named by a mesh file, (h, w, 3)."""
     from PIL import Image, UnidentifiedImageError
 
-    place = mesh.parent / name.replace("\\", "/")
+    place = inside(mesh.parent, name.replace("\\", "/"), f"texture of {mesh.name!r},")
     try:
         with Image.open(place) as image:
             return np.asarray(image.convert("RGB"))
@@ -245,7 +246,8 @@ def _material_images(libraries: list[bytes], used: list[bytes], mesh: Path) -> t
     named: dict[bytes, NDArray[np.uint8]] = {}
     defined: set[bytes] = set()
     for library in libraries:
-        place = mesh.parent / library.decode("utf-8", "replace")
+        named_as = library.decode("utf-8", "replace")
+        place = inside(mesh.parent, named_as, f"material file of {mesh.name!r},")
         if not place.is_file():
             raise InputError(
                 f"the material file {place.name!r} of {str(mesh)!r} is missing; put it at {str(place)!r} or "

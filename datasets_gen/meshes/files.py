@@ -1,7 +1,7 @@
 """The one way in which the project reads and writes mesh files."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -48,7 +48,7 @@ def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: s
     except PermissionError as error:
         raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from error
     except Exception as error:  # parsers raise anything from IndexError to struct.error on a broken file
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        reason = why_unreadable(file, error)
         raise InputError(
             f"{str(path)!r} is cut short or no {file.suffix} mesh ({reason}); export it again"
         ) from error
@@ -57,6 +57,8 @@ def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: s
     subject = subject or file.stem
     name = file.stem if subject == file.stem else f"{subject}/{file.stem}"
     vertices = np.array(mesh.vertices, dtype=np.float64)
+    if vertices.ndim != 2 or vertices.shape[1] != 3:
+        raise InputError(f"{str(path)!r} has vertices of shape {vertices.shape}, not (v, 3); export it again")
     return Shape(vertices, np.array(mesh.faces, dtype=np.int32), name, subject, file.stem, units)
 
 
@@ -86,10 +88,34 @@ def _bare_obj(content: bytes) -> Iterator[bytes]:
         if line.startswith((b"v ", b"v\t")):
             count += 1
         if line.startswith(b"f ") and b"-" in line:
-            corners = [int(corner.partition(b"/")[0]) for corner in line.split()[1:]]
+            corners = [_corner(corner) for corner in line.split()[1:]]
             yield b"f " + b" ".join(b"%d" % (c if c > 0 else count + 1 + c) for c in corners)
         elif not line.startswith(OBJ_PARTITIONS):
             yield line
+
+
+def _corner(text: bytes) -> int:
+    """Vertex number of a corner such as ``7/1/3``."""
+    return int(text.partition(b"/")[0])
+
+
+def why_unreadable(file: Path, error: Exception) -> str:
+    """Why a parser failed: the first bad line of an OBJ, else the first line of what the parser says."""
+    said = str(error).splitlines()[0] if str(error) else type(error).__name__
+    if file.suffix.lower() != ".obj":
+        return said
+    kinds: dict[bytes, Callable[[bytes], float]] = {b"v": float, b"vn": float, b"f": _corner}
+    for number, line in enumerate(file.read_bytes().splitlines(), 1):
+        word, *values = line.partition(b"#")[0].split() or [b""]
+        if word not in kinds:
+            continue
+        try:
+            count = len([kinds[word](value) for value in values])
+        except ValueError as wrong:
+            return f"line {number}: {wrong}"
+        if count < 3:
+            return f"line {number}: {count} numbers where three are needed"
+    return said
 
 
 def load_mesh(

@@ -1,5 +1,6 @@
 """What every package needs of a bare point cloud.
 
-`farthest` (farthest-point orders), `normals` (PCA, signs from the scanner or a spanning tree) and
-`neighbours` (graphs of nearest neighbours without gaps). All of them decide scans or maps to the last bit.
+`farthest` (farthest-point orders), `outside` (which side of a cloud is outside), `normals` (PCA, signs from
+the scanner or a spanning tree), `neighbours` (graphs of nearest neighbours without gaps) and `strays` (points
+far from all others). All of them decide scans or maps to the last bit.
 """

@@ -10,12 +10,15 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 from scipy.spatial import cKDTree
 
 from datasets_gen.compiled import compiled, thread_count
+from datasets_gen.points.outside import outward_field
 from datasets_gen.records import InputError
 
 STIFFNESS = 0.5
 """Votes that it takes to break the tree, a point seen face on having one. Signs are right most often with
 this on noisy dumbbells of any density: a stiffer tree turns whole ends, a softer one believes each grazing
 point."""
+STIFFNESS_OF_FIELD = 20.0
+"""The same where the cloud's own field votes: it errs over whole hollows, the tree at single edges."""
 
 
 def pca(points: NDArray[np.float64], neighbours: int = 12) -> NDArray[np.float64]:
@@ -110,12 +113,12 @@ def spanning_tree(
 ) -> NDArray[np.float64]:
     """Normals with signs made consistent along a minimum spanning tree [Hoppe et al. 1992].
 
-    Neighbours whose tangent planes are closest to parallel pass the sign on. Without eyes, the normals of
-    each connected piece of the neighbour graph then point away from its centroid c on the whole:
-    sum (p - c) . n >= 0, which twice the enclosed volume estimates and a single badly estimated normal cannot
-    turn. With eyes, the points vote for the side from which they were seen, and the tree breaks where the
-    votes beyond are against the sign that is passed on: of all signs s, those with the largest
-    sum of s n . (direction to the eye) - `STIFFNESS` * (broken edges) are taken.
+    Neighbours whose tangent planes are closest to parallel pass the sign on. The points vote for the side
+    from which they were seen, and the tree breaks where the votes beyond are against the sign that is passed
+    on: of all signs s, those with the largest
+    sum of s n . (direction to the eye) - `STIFFNESS` * (broken edges) are taken. Without eyes they vote for
+    the side to which the rest of the cloud pushes them (`outside.outward_field`); each connected piece of the
+    neighbour graph is then decided by all others, too.
 
     Parameters
     ----------
@@ -143,22 +146,19 @@ def spanning_tree(
     tree = minimum_spanning_tree(graph.maximum(graph.T))
     pieces, labels = connected_components(tree, directed=False)
     oriented = normals.copy()
-    if eyes is not None:
-        sight = eyes - points
+    if eyes is None:
+        sight, stiffness = outward_field(points), STIFFNESS_OF_FIELD
+    else:
+        sight, stiffness = eyes - points, STIFFNESS
         sight /= np.linalg.norm(sight, axis=1, keepdims=True)
+    place = np.empty(n, np.int64)
     for piece in range(pieces):
         members = np.flatnonzero(labels == piece)
         order, parents = breadth_first_order(tree, members[0], directed=False)
         _pass_on(order, parents, oriented)
-        if eyes is None:
-            away = points[members] - points[members].mean(axis=0)
-            if np.einsum("ij,ij->", away, oriented[members]) < 0:
-                oriented[members] *= -1
-        else:
-            votes = np.einsum("ij,ij->i", oriented[order], sight[order])
-            place = np.empty(n, np.int64)
-            place[order] = np.arange(len(order))
-            oriented[order] *= _elected(place[parents[order[1:]]], votes, STIFFNESS)[:, None]
+        votes = np.einsum("ij,ij->i", oriented[order], sight[order])
+        place[order] = np.arange(len(order))
+        oriented[order] *= _elected(place[parents[order[1:]]], votes, stiffness)[:, None]
     return oriented
 
 

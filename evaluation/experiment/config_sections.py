@@ -5,8 +5,9 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from datasets_gen.values import check_count, check_types
-from evaluation.experiment.toml_tables import expect, reject_unknown
+from evaluation.experiment.toml_tables import expect, expect_distinct, reject_unknown
 from medial.operator import OPERATORS
+from medial.validation import FEWEST_POINTS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,8 @@ class DatasetSection:
             or isinstance(self.poses, tuple)
             or (isinstance(self.poses, int) and self.poses > 0)
         )
+        if isinstance(self.poses, tuple):
+            expect_distinct(self.poses, "poses")
         expect(valid, f"poses must be names, a positive number or 'all', got {self.poses!r}")
 
 
@@ -53,7 +56,7 @@ class ScanCondition:
         """Check types, as sweeps replace single values, and ranges."""
         check_types(type(self), vars(self))
         expect(0 < self.threshold <= 1, f"threshold must lie in (0, 1], got {self.threshold!r}")
-        check_count(self.points, "points")
+        check_count(self.points, "points", FEWEST_POINTS)
         expect(self.scale > 0, f"scale must be positive, got {self.scale!r}")
         reserved = {"views", "peak_threshold"} & set(self.scanner)
         expect(
@@ -111,6 +114,7 @@ class StabilitySection:
         """Lists to tuples, checked."""
         object.__setattr__(self, "operators", tuple(self.operators))
         reject_unknown(self.operators, OPERATORS, "stability", "operator")
+        expect_distinct(self.operators, "operators")
         check_count(self.pairs, "pairs")
         check_count(self.times, "times")
         object.__setattr__(self, "sweep", as_sweep(self.sweep))
@@ -134,10 +138,14 @@ class MatchingSection:
         object.__setattr__(self, "sweep", as_sweep(self.sweep))
         object.__setattr__(self, "regime", tuple(dict(each) for each in self.regime))
         for each in self.regime:
-            expect(isinstance(each.get("name"), str), f"a regime needs a name, got {each!r}")
+            named = isinstance(each.get("name"), str) and bool(str(each["name"]).strip())
+            expect(named, f"a regime needs a name, got {each!r}")
+        if self.regime:
+            expect_distinct([each["name"] for each in self.regime], "the list of regimes' names")
         if isinstance(self.pairs, list | tuple):
             pairs = tuple(tuple(pair) if isinstance(pair, list | tuple) else pair for pair in self.pairs)
             expect(all(isinstance(p, tuple) and len(p) == 2 for p in pairs), "pairs must be [source, target]")
+            expect_distinct(pairs, "pairs")
             object.__setattr__(self, "pairs", pairs)
         else:
             number = isinstance(self.pairs, int) and not isinstance(self.pairs, bool) and self.pairs > 0
@@ -166,4 +174,5 @@ def as_sweep(table: Mapping[str, Any]) -> dict[str, tuple[Any, ...]]:
             isinstance(values, list | tuple) and len(values) > 0,
             f"sweep.{key} must be a list, got {values!r}",
         )
+        expect_distinct(list(values), f"sweep.{key}")
     return {key: tuple(values) for key, values in table.items()}

@@ -10,12 +10,12 @@ Sections of the file (every key is a field below, with its default):
 
 import itertools
 import os
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from datasets_gen.parsing import parsed_toml
 from datasets_gen.records import InputError
 from datasets_gen.registry import names
 from datasets_gen.values import check_count, check_seed
@@ -29,7 +29,13 @@ from evaluation.experiment.config_sections import (
     StabilitySection,
 )
 from evaluation.experiment.presets import presets
-from evaluation.experiment.toml_tables import dataclass_from_table, expect, reject_unknown, to_toml
+from evaluation.experiment.toml_tables import (
+    dataclass_from_table,
+    expect,
+    expect_distinct,
+    reject_unknown,
+    to_toml,
+)
 from medial.departures import Departures
 
 
@@ -56,12 +62,12 @@ class Experiment:
     def __post_init__(self) -> None:
         """Check what concerns several sections."""
         expect(len(self.dataset) > 0, "no [[dataset]]: nothing to scan")
-        expect(len(self.seeds) > 0, "seeds is empty: nothing to run")
         Departures.of(self.departures)
         expect(self.timeout > 0, f"timeout must be positive, got {self.timeout!r}")
         check_count(self.evaluated, "evaluated")
         for seed in self.seeds:
             check_seed(seed, "each of seeds")
+        expect_distinct(self.seeds, "seeds")
         expect(
             self.stability is not None or self.matching is not None,
             "neither [stability] nor [matching]: nothing to measure",
@@ -72,6 +78,7 @@ class Experiment:
         )
         labels = [method.label for method in self.method]
         for label in labels:
+            expect(bool(label.strip()), "a method's label is empty; give one")
             expect(labels.count(label) == 1, f"two methods are called {label!r}; give each its own label")
         self.stability_conditions()
         self.regimes()
@@ -147,18 +154,15 @@ class Experiment:
         known = presets()
         if path.suffix != ".toml":
             reject_unknown([str(source)], known, "experiment", "preset")
-            text, where, folder = known[str(source)], f"preset {str(source)!r}", None
+            text, where, folder = known[str(source)].encode(), f"preset {str(source)!r}", None
         else:
             try:
-                text, where, folder = path.read_text(encoding="utf-8"), repr(str(source)), path.parent
+                text, where, folder = path.read_bytes(), repr(str(source)), path.parent
             except OSError as error:
                 raise InputError(
                     f"cannot read {str(source)!r}: {error.strerror}; presets: {', '.join(known)}"
                 ) from error
-        try:
-            table = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"{where} is not valid TOML: {error}") from error
+        table = parsed_toml(text, where)
         table.setdefault("name", path.stem)
         if folder is not None:
             _locate(table, folder)
@@ -208,11 +212,13 @@ def _method(table: Any, where: str) -> MethodSection:
         isinstance(table, Mapping) and isinstance(table.get("name"), str),
         f"{where} needs a name, got {table!r}",
     )
+    given = table.get("options", {})
+    expect(isinstance(given, Mapping), f"{where}: options must be a table, got {given!r}")
     options = {key: value for key, value in table.items() if key not in ("name", "label", "options")}
     return MethodSection(
         name=table["name"],
         label=str(table.get("label", table["name"])),
-        options={**table.get("options", {}), **options},
+        options={**given, **options},
     )
 
 

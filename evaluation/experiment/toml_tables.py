@@ -1,6 +1,6 @@
 """TOML tables to frozen dataclasses, with errors that name the key and the nearest valid one; and to text."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from difflib import get_close_matches
 from typing import Any, TypeVar
@@ -51,6 +51,13 @@ def expect(condition: bool, message: str) -> None:
     """Raise `InputError` unless a condition holds."""
     if not condition:
         raise InputError(message)
+
+
+def expect_distinct(values: Sequence[Any], what: str) -> None:
+    """Raise `InputError` if there are no values, or one is there twice: its tasks would be counted twice."""
+    expect(len(values) > 0, f"{what} is empty; give at least one, or leave it out")
+    for value in values:
+        expect(values.count(value) == 1, f"{what} has {value!r} {values.count(value)} times; give it once")
 
 
 def to_toml(table: Mapping[str, Any]) -> str:

@@ -18,6 +18,8 @@ from scanner_sim.scan import Scan
 class MethodInput:
     """What a method may know of one side of a pair.
 
+    In a sweep, every array is read-only, since the methods after it get the same: copy what you change.
+
     Attributes
     ----------
     name : str
@@ -109,7 +111,7 @@ def require(count: int, least: int, method: str) -> None:
 
 def dense(
     source_to_target: NDArray[np.integer],
-    confidence: NDArray[np.float64],
+    confidence: NDArray[np.floating],
     *,
     landmarks: NDArray[np.integer] | None = None,
     cost: float = 0.0,
@@ -117,19 +119,26 @@ def dense(
 ) -> Matching:
     """A `Matching` from a map alone, for methods without landmarks or restarts.
 
+    Confidences are clipped to [0, 1]; everything else is checked where a method returns it
+    (`evaluation.methods.returned_map`).
+
     Raises
     ------
     InputError
-        If the two arrays differ in length.
+        If the two arrays differ in length, or ids are no integers.
     """
+    image, pairs = np.asarray(source_to_target), np.zeros((0, 2), np.int64)
+    pairs = pairs if landmarks is None else np.asarray(landmarks)
+    for name, ids in (("target ids", image), ("landmarks", pairs)):
+        if ids.size and ids.dtype.kind not in "iu":
+            raise InputError(f"{name} are of type {ids.dtype}, not integer; round them yourself")
     if len(source_to_target) != len(confidence):
         raise InputError(
             f"{len(source_to_target)} matches with {len(confidence)} confidences; give one for each"
         )
-    pairs = np.zeros((0, 2), np.int64) if landmarks is None else np.asarray(landmarks, np.int64)
     return Matching(
-        source_to_target=np.asarray(source_to_target, np.int64),
-        landmarks=pairs,
+        source_to_target=image.astype(np.int64),
+        landmarks=pairs.astype(np.int64),
         cost=float(cost),
         confidence=np.clip(np.asarray(confidence, np.float64), 0, 1),
         restarts={},

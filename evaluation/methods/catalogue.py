@@ -13,6 +13,7 @@ from datasets_gen.fingerprints import code_fingerprint
 from datasets_gen.records import InputError
 from evaluation.experiment.toml_tables import reject_unknown
 from evaluation.methods.base import Method
+from evaluation.results.outcome import one_line
 
 METHODS: dict[str, str] = {
     "medial": "evaluation.methods.spectral:Medial",
@@ -62,7 +63,12 @@ def create(name: str, options: Mapping[str, Any]) -> Method:
     InputError
         If the name or an option is unknown.
     """
-    return find(name).from_options(options)
+    try:
+        return find(name).from_options(options)
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:  # whatever the user's code does
+        raise InputError(f"method {name!r} cannot be made ({one_line(error)})") from error
 
 
 def missing(name: str) -> str:
@@ -84,9 +90,9 @@ def _module(home: str) -> ModuleType:
     if not home.endswith(".py"):
         try:
             return import_module(home)
-        except ModuleNotFoundError as error:
+        except (Exception, SystemExit) as error:
             raise InputError(
-                f"cannot import {home!r} ({error}); give 'package.module:Class' or 'file.py:Class'"
+                f"cannot import {home!r} ({one_line(error)}); give 'package.module:Class' or 'file.py:Class'"
             ) from error
     path = Path(home).resolve()
     name = f"medialbench_method_{path.stem}"
@@ -95,5 +101,9 @@ def _module(home: str) -> ModuleType:
         raise InputError(f"no Python file {home!r}")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        del sys.modules[name]
+        raise InputError(f"cannot import {home!r} ({one_line(error)}); correct it") from error
     return module

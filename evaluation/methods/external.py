@@ -17,6 +17,7 @@ from datasets_gen.fingerprints import digest_files
 from datasets_gen.records import InputError, atomic_path
 from evaluation.experiment.toml_tables import expect
 from evaluation.methods.base import Method, MethodInput, dense
+from evaluation.results.outcome import one_line
 from evaluation.results.store import ResultsStore
 from medial import Matching
 
@@ -82,11 +83,12 @@ def read_correspondence(path: Path) -> tuple[NDArray[np.int64], NDArray[np.float
         whole = ids.astype(np.int64)
         if not (whole == ids).all():
             raise ValueError("ids are no whole numbers")
-    except (OSError, EOFError, ValueError, KeyError, IndexError) as error:
-        raise InputError(f"{str(path)!r} is not a readable correspondence ({error})") from error
-    if confidence is None:
-        confidence = np.where(whole >= 0, 1.0, 0.0)
-    return whole, np.asarray(confidence, np.float64).ravel()
+        sure = None if confidence is None else np.asarray(confidence, np.float64).ravel()
+        if sure is not None and len(sure) != len(whole):
+            raise ValueError(f"{len(whole)} ids with {len(sure)} confidences")
+    except Exception as error:  # NumPy's readers raise anything on a broken file
+        raise InputError(f"{str(path)!r} is not a readable correspondence ({one_line(error)})") from error
+    return whole, np.where(whole >= 0, 1.0, 0.0) if sure is None else sure
 
 
 def export(store: ResultsStore, folder: str | os.PathLike[str]) -> Path:

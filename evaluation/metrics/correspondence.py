@@ -113,6 +113,26 @@ def least_errors(
     return found / np.sqrt(area)
 
 
+def with_unmatched(
+    errors: NDArray[np.float64], random: NDArray[np.float64], least: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Errors in which a point without a match counts like a random match.
+
+    Leaving a point out is no better than guessing: it costs what a place drawn from the whole body would cost
+    on average, and never less than the best match there is.
+
+    Parameters
+    ----------
+    errors : (n,)
+        Of `correspondence_error`; nan for points without a match.
+    random : (n,)
+        Mean distance of the body from each right place, in the same unit.
+    least : (n,)
+        Of `least_errors`.
+    """
+    return np.where(np.isnan(errors), np.maximum(random, least), errors)
+
+
 def sure_and_right(errors: NDArray[np.float64], confidence: NDArray[np.float64]) -> float | None:
     """Share of points with a confidence above `SURE` whose error is below `RIGHT`; None if there are none.
 

@@ -42,6 +42,8 @@ class Limbs:
         Vertex at the end of each limb, the most remote limb first.
     of_vertex : (v,) int64
         Limb of every vertex; -1 for the trunk.
+    remoteness : (v,) float64
+        Mean geodesic distance of every vertex from the body, of `remoteness`.
     mirror : (L,) int64 or None
         The limb that is each limb's mirror image, itself for a limb in the middle; -1 where there is none.
         None if the body's mirror map is unknown.
@@ -49,6 +51,7 @@ class Limbs:
 
     tips: NDArray[np.int64]
     of_vertex: NDArray[np.int64]
+    remoteness: NDArray[np.float64]
     mirror: NDArray[np.int64] | None = None
 
     def __len__(self) -> int:
@@ -59,6 +62,11 @@ class Limbs:
         """Limb of surface points, that of the nearest corner of their face, (n,); -1 for the trunk."""
         corner = points.barycentrics.argmax(axis=1)
         return self.of_vertex[shape.faces[points.face_ids, corner]]
+
+    def remoteness_of(self, shape: Shape, points: SurfacePoints) -> NDArray[np.float64]:
+        """Mean geodesic distance of surface points from the body, (n,): what a random match is off by."""
+        corners = self.remoteness[shape.faces[points.face_ids]]
+        return np.einsum("nc,nc->n", points.barycentrics, corners)
 
 
 def find_limbs(shape: Shape, distance: SurfaceDistance, mirror: NDArray[np.int64] | None = None) -> Limbs:
@@ -90,7 +98,7 @@ def find_limbs(shape: Shape, distance: SurfaceDistance, mirror: NDArray[np.int64
         part = connected_components(graph[above][:, above], directed=False)[1]
         of_vertex[above[part == part[np.searchsorted(above, tips[k])]]] = limb
     tips = tips[rank]
-    return Limbs(tips, of_vertex, None if mirror is None else of_vertex[mirror[tips]])
+    return Limbs(tips, of_vertex, field, None if mirror is None else of_vertex[mirror[tips]])
 
 
 def remoteness(shape: Shape, distance: SurfaceDistance) -> NDArray[np.float64]:

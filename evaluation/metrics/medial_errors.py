@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from datasets_gen.compiled import ranges
 from medial.diffusion import Diffusion
 from medial.matching.common_units import CloudInUnits
 from medial.matching.landmarks.medial_paths import MedialPaths
 
 NODES = 1500
 """Samples of the rest pose between which paths are found."""
+BLOCK = 64
+"""Places whose distances to all samples are held at once."""
 
 
 def medial_paths(diffusion: Diffusion) -> MedialPaths:
@@ -53,10 +56,42 @@ def medial_distances(
     straight, along : (n,) float64
         In the units of the rest pose.
     """
-    tree, centers = cKDTree(diffusion.points), diffusion.centers
+    tree = cKDTree(diffusion.points)
     here, there = (tree.query(each)[1] for each in (right, found))
-    start, end = paths.nearest[here], paths.nearest[there]
-    straight = np.linalg.norm(centers[here] - centers[there], axis=1)
+    return _between(diffusion.centers, paths, here, there)
+
+
+def mean_medial_distances(
+    diffusion: Diffusion, right: NDArray[np.float64], paths: MedialPaths
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Means of `medial_distances` from right places to all of the body: what a random match is off by.
+
+    Parameters
+    ----------
+    diffusion, right, paths
+        As there.
+
+    Returns
+    -------
+    straight, along : (n,) float64
+        In the units of the rest pose.
+    """
+    here = cKDTree(diffusion.points).query(right)[1]
+    everywhere, weights = np.arange(len(diffusion)), diffusion.areas / diffusion.areas.sum()
+    means = np.empty((2, len(right)))
+    for rows in ranges(len(right), BLOCK):
+        block = slice(*rows)
+        means[:, block] = [
+            each @ weights for each in _between(diffusion.centers, paths, here[block, None], everywhere)
+        ]
+    return means[0], means[1]
+
+
+def _between(
+    centers: NDArray[np.float64], paths: MedialPaths, here: NDArray[np.int64], there: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`medial_distances` between samples by their ids, which are broadcast."""
+    straight = np.linalg.norm(centers[here] - centers[there], axis=-1)
     to_node = np.linalg.norm(centers - centers[paths.nodes[paths.nearest]], axis=1)
-    along = paths.lengths[start, end] - to_node[here] - to_node[there]
+    along = paths.lengths[paths.nearest[here], paths.nearest[there]] - to_node[here] - to_node[there]
     return straight, np.maximum(straight, along)

@@ -48,6 +48,6 @@ def lock_folder(folder: Path) -> Iterator[None]:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8").strip()
+        return " ".join(path.read_text(encoding="utf-8", errors="replace").split())[:80]
     except OSError:
         return ""

@@ -1,5 +1,6 @@
 """Results of several machines in one folder."""
 
+import logging
 import os
 import shutil
 from collections.abc import Sequence
@@ -10,11 +11,14 @@ from typing import TYPE_CHECKING, Any
 from datasets_gen.records import InputError, atomic_path
 from evaluation.experiment.experiment import Experiment
 from evaluation.results.folder_lock import lock_folder
-from evaluation.results.store import FOLDERS, FORMAT, ResultsStore, write_json
+from evaluation.results.result_files import FOLDERS
+from evaluation.results.store import FORMAT, ResultsStore
 from evaluation.results.table import COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
+
+log = logging.getLogger(__name__)
 
 IDENTITY = ["kind", "dataset", "subject", "method", "regime", "source_pose", "target_pose", "views", "seed"]
 """Columns that say what a row is about; two rows that agree in them must be the same result."""
@@ -56,11 +60,11 @@ def merge_results(folders: Sequence[str | os.PathLike[str]], out: str | os.PathL
         raise InputError(f"{str(out)!r} holds files already; merge into a new folder")
     with lock_folder(target):
         for store in stores:
-            _link(store.folder, target)
+            _link(store, target)
         with atomic_path(target / "experiment.toml") as temporary:
             temporary.write_text(experiment.to_toml(), encoding="utf-8")
         _write_tables(stores, table, target)
-        write_json(target / "run.json", _joint_info(stores, experiment, len(table)))
+        ResultsStore(target).write_run_info(_joint_info(stores, experiment, len(table)))
     return ResultsStore(target)
 
 
@@ -96,19 +100,28 @@ def _joint_table(stores: list[ResultsStore]) -> "pd.DataFrame":
     return joint.reindex(columns=list(COLUMNS)).astype(COLUMNS)  # earlier versions had fewer columns
 
 
-def _link(source: Path, target: Path) -> None:
-    """Bring every result of a folder into another."""
-    for name in FOLDERS.values():
-        for path in sorted((source / name).glob("[!.]*")):
-            goal = target / name / path.name
-            if goal.exists():
+def _link(store: ResultsStore, target: Path) -> None:
+    """Bring every result of a folder that is whole into another that lacks it."""
+    for stage, name in FOLDERS.items():
+        for note in sorted((store.folder / name).glob("[!.]*.json")):
+            if (target / name / note.name).exists():
                 continue
-            with atomic_path(goal) as temporary:
-                temporary.unlink()
-                try:
-                    os.link(path, temporary)
-                except OSError:
-                    shutil.copyfile(path, temporary)
+            try:
+                path = store.whole_path(stage, note.stem)
+            except InputError as error:
+                log.warning("left out: %s", error)
+                continue
+            for each in dict.fromkeys((path, note)):  # the record last: it says that the result is there
+                _link_file(each, target / name / each.name)
+
+
+def _link_file(path: Path, goal: Path) -> None:
+    with atomic_path(goal) as temporary:
+        temporary.unlink()
+        try:
+            os.link(path, temporary)
+        except OSError:
+            shutil.copyfile(path, temporary)
 
 
 def _write_tables(stores: list[ResultsStore], table: "pd.DataFrame", target: Path) -> None:

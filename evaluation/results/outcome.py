@@ -4,6 +4,9 @@ from dataclasses import dataclass, field
 
 from evaluation.experiment.tasks import Task
 
+LONGEST_REASON = 500
+"""Characters of a reason; the detail has all of it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -15,10 +18,10 @@ class Outcome:
     ok : bool
         Whether its result is stored.
     reason : str
-        One line; empty if ok.
+        One printable line of at most `LONGEST_REASON` characters, whatever is given; empty if ok.
     kind : str
         ``"error"``, ``"timeout"``, ``"crash"``, ``"blocked"`` (an input failed) or ``"unavailable"`` (a
-        package is missing); empty if ok.
+        package is missing); empty if ok. A worker also says ``"again"``: to be tried once more, alone.
     seconds : float
         Of computing and storing.
     detail : str
@@ -31,3 +34,24 @@ class Outcome:
     kind: str = ""
     seconds: float = 0.0
     detail: str = field(default="", repr=False)
+
+    def __post_init__(self) -> None:
+        """Make the reason one line that every file and terminal takes."""
+        object.__setattr__(self, "reason", printable(self.reason))
+
+
+def printable(text: str) -> str:
+    """Text in one line, without control characters and halves of characters, cut at `LONGEST_REASON`."""
+    line = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return line if len(line) <= LONGEST_REASON else line[: LONGEST_REASON - 1] + "…"
+
+
+def one_line(error: BaseException) -> str:
+    """Type and message of any exception, in one line."""
+    try:
+        said = str(error)
+    except Exception:
+        said = "(it cannot say why)"
+    if isinstance(error, MemoryError):
+        said = said or "out of memory; use fewer points or fewer workers"
+    return printable(f"{type(error).__name__}: {said}" if said else type(error).__name__)

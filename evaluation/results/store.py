@@ -8,9 +8,9 @@
     scores/<key>.json failures/<key>.json
     table.parquet, table.csv, failures.csv      merged
 
-A result counts as done if its ``.json`` can be read and its ``.npz`` has the size noted there, so a file
-that was cut short is simply made again. The record holds settings, keys of inputs, versions of libraries,
-time and memory.
+A result counts as done if its ``.json`` and its ``.npz`` have the checksums noted in the former; a run makes
+what is damaged again. Results of earlier versions have no checksums: there the size and the archive's own
+checksums count. The record holds settings, keys of inputs, versions of libraries, time and memory.
 """
 
 import json
@@ -22,10 +22,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from datasets_gen import Collection, InputError
+from datasets_gen.collections.folder import code_version
 from datasets_gen.fingerprints import library_versions
+from datasets_gen.parsing import parsed_toml
 from datasets_gen.records import atomic_path
 from evaluation.experiment.tasks import STAGES, Task
+from evaluation.results.integrity import checksum, sealed, unsealed
 from evaluation.results.outcome import Outcome
+from evaluation.results.result_files import ResultFiles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,19 +42,15 @@ FORMAT = 2
 READABLE = (1, 2)
 """Formats that can be read. In format 1, ``mirror_check`` is called ``flip_decision`` and has other words."""
 FORMAT_1_WORDS = {"kept": "agrees", "flipped": "overruled"}
-FOLDERS = {
-    "shape": "shapes",
-    "render": "renders",
-    "scan": "scans",
-    "operator": "operators",
-    "map": "maps",
-    "score": "scores",
-}
+MERGED = ("table.parquet", "table.csv", "failures.csv", "experiment.toml")
+"""Files of a finished run, whose checksums are in ``run.json``."""
+IDENTIFYING = ("kind", "dataset", "method", "operator", "regime", "views", "seed", "source_threshold")
+"""Columns without which the rows of a table mean nothing; versions differ in the others."""
 TIMING = ("seconds_operator", "seconds_match", "peak_memory_mb")
 """Columns of the table that differ from run to run."""
 
 
-class ResultsStore:
+class ResultsStore(ResultFiles):
     """A results folder, for reading; a run writes through it.
 
     Parameters
@@ -65,8 +65,8 @@ class ResultsStore:
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
-        self.folder = Path(folder)
-        found = self.run_info().get("format", FORMAT)
+        super().__init__(folder)
+        found = self.last_run().get("format", FORMAT)
         if found not in READABLE:
             raise InputError(
                 f"{str(folder)!r} holds results of format {found!r}, this version reads {FORMAT}; "
@@ -77,14 +77,27 @@ class ResultsStore:
 
     def run_info(self) -> dict[str, Any]:
         """Versions, machine, wall time and counts of the last run; empty before the first."""
+        info = self.last_run()
+        if not info and (self.folder / "run.json").is_file():
+            raise self.damaged("run.json")
+        return info
+
+    def last_run(self) -> dict[str, Any]:
+        """As `run_info`, but empty if ``run.json`` is damaged: a run writes it again."""
         try:
-            return dict(json.loads((self.folder / "run.json").read_text(encoding="utf-8")))
-        except (FileNotFoundError, NotADirectoryError):
+            return unsealed(self.folder / "run.json")
+        except (OSError, ValueError):
             return {}
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"{str(self.folder / 'run.json')!r} is not readable ({error}); remove it"
-            ) from error
+
+    def merged_files(self) -> dict[str, int]:
+        """Checksums of the files of a finished run that are there."""
+        paths = {name: self.folder / name for name in MERGED}
+        return {name: checksum(path) for name, path in paths.items() if path.is_file()}
+
+    def is_merged(self) -> bool:
+        """Whether all files of a finished run are there as they were written."""
+        noted = self.last_run().get("files")
+        return noted == self.merged_files() and set(MERGED) <= set(noted)
 
     def table(self) -> "pd.DataFrame":
         """The merged table, one row per score.
@@ -99,10 +112,15 @@ class ResultsStore:
         path = self.folder / "table.parquet"
         if not path.is_file():
             raise InputError(f"{str(self.folder)!r} holds no results table; run `medialbench run` first")
+        if self.last_run().get("files", {}).get(path.name, known := checksum(path)) != known:
+            raise self.damaged(path.name)
         try:
             table = pd.read_parquet(path)
-        except (OSError, ValueError) as error:
-            raise InputError(f"{str(path)!r} is not readable ({error}); run the experiment again") from error
+        except Exception as error:  # a broken file makes its reader raise anything
+            raise self.damaged(path.name, error) from error
+        lacking = [name for name in IDENTIFYING if name not in table]
+        if lacking:
+            raise self.damaged(path.name, ValueError(f"it lacks the column {lacking[0]!r}"))
         if "flip_decision" in table:
             table = table.rename(columns={"flip_decision": "mirror_check"})
             table["mirror_check"] = table["mirror_check"].replace(FORMAT_1_WORDS)
@@ -114,25 +132,30 @@ class ResultsStore:
 
         path = self.folder / "failures.csv"
         columns = ["key", "stage", "label", "kind", "reason"]
-        return pd.read_csv(path, keep_default_na=False) if path.is_file() else pd.DataFrame(columns=columns)
+        if not path.is_file():
+            return pd.DataFrame(columns=columns)
+        try:
+            return pd.read_csv(path, keep_default_na=False)[columns]
+        except (ValueError, KeyError) as error:
+            raise self.damaged(path.name, error) from error
 
     def scan(self, key: str) -> "Scan":
         """A stored cloud."""
         from scanner_sim import Scan
 
-        return Scan.load(self.path("scan", key))
+        return Scan.load(self.whole_path("scan", key))
 
     def operator(self, key: str) -> "Diffusion":
         """A stored operator."""
         from medial import Diffusion
 
-        return Diffusion.load(self.path("operator", key))
+        return Diffusion.load(self.whole_path("operator", key))
 
     def matching(self, key: str) -> "Matching":
         """A stored correspondence."""
         from medial import Matching
 
-        return Matching.load(self.path("map", key))
+        return Matching.load(self.whole_path("map", key))
 
     def score(self, key: str) -> dict[str, Any]:
         """What a score task found: ``row`` and, for maps, ``curve``."""
@@ -146,33 +169,22 @@ class ResultsStore:
         keys = self.run_info().get("datasets", {})
         if dataset not in keys:
             raise InputError(f"{str(self.folder)!r} has no data set {dataset!r}; it has {sorted(keys)}")
-        return Collection.load(self.path("shape", keys[dataset]))
+        return self.shape(str(keys[dataset]))
+
+    def shape(self, key: str) -> Collection:
+        """The shapes of a stored data set."""
+        return Collection.load(self.whole_path("shape", key))
 
     @cached_property
     def settings(self) -> dict[str, Any]:
         """The experiment as run, parsed from ``experiment.toml``."""
-        import tomllib
-
+        path = self.folder / "experiment.toml"
         try:
-            return tomllib.loads((self.folder / "experiment.toml").read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+            return parsed_toml(path.read_bytes(), repr(str(path)))
+        except OSError as error:
             raise InputError(f"{str(self.folder)!r} has no readable experiment.toml ({error})") from error
 
     # ------------------------------------------------------------------ tasks
-
-    def path(self, stage: str, key: str) -> Path:
-        """File of a result."""
-        return self.folder / FOLDERS[stage] / f"{key}{'.json' if stage == 'score' else '.npz'}"
-
-    def record(self, stage: str, key: str) -> dict[str, Any] | None:
-        """What is noted of a result that is there and whole: seconds, memory, info; None otherwise."""
-        note = self.folder / FOLDERS[stage] / f"{key}.json"
-        try:
-            record = json.loads(note.read_text(encoding="utf-8"))
-            size = None if stage == "score" else self.path(stage, key).stat().st_size
-        except (OSError, ValueError):
-            return None
-        return record if isinstance(record, dict) and record.get("bytes") == size else None
 
     def write_record(
         self, task: Task, seconds: float, cpu_seconds: float, memory_mb: float | None, info: Mapping[str, Any]
@@ -189,22 +201,27 @@ class ResultsStore:
         info
             What the stage found, besides its file.
         """
-        size = None if task.stage == "score" else self.path(task.stage, task.key).stat().st_size
+        path = None if task.stage == "score" else self.path(task.stage, task.key)
         record = {
             "key": task.key,
             "stage": task.stage,
             "label": task.label,
             "spec": task.spec,
             "inputs": task.inputs,
-            "versions": {"python": platform.python_version(), **library_versions(STAGES[task.stage])},
+            "versions": _versions(task.stage),
             "seconds": seconds,
             "cpu_seconds": cpu_seconds,
             "peak_memory_mb": memory_mb,
-            "bytes": size,
+            "bytes": path.stat().st_size if path else None,
+            "file_checksum": checksum(path) if path else None,
             "info": info,
         }
-        write_json(self.folder / FOLDERS[task.stage] / f"{task.key}.json", record)
+        write_json(self.file(task.stage, task.key, ".json"), sealed(record))
         (self.folder / "failures" / f"{task.key}.json").unlink(missing_ok=True)
+
+    def write_run_info(self, info: Mapping[str, Any]) -> None:
+        """Write ``run.json``, the last file of a run, with checksums of those that were merged before it."""
+        write_json(self.folder / "run.json", sealed({**info, "files": self.merged_files()}))
 
     def write_failure(self, outcome: Outcome) -> None:
         """Note why a task has no result. Failures are never taken for results: the next run tries again."""
@@ -217,6 +234,12 @@ class ResultsStore:
         }
         note |= {"reason": outcome.reason, "detail": outcome.detail, "spec": task.spec, "inputs": task.inputs}
         write_json(self.folder / "failures" / f"{task.key}.json", note)
+
+
+def _versions(stage: str) -> dict[str, str]:
+    """Of Python, of this program and of the libraries that a stage computes with."""
+    own = {"python": platform.python_version(), "medialbench": code_version()}
+    return own | library_versions(STAGES[stage])
 
 
 def write_json(path: Path, value: Any) -> None:

@@ -33,6 +33,7 @@ COLUMNS: dict[str, str] = {
     "eq18": "Float64",
     "eq18_trace": "Float64",
     "eq18_relative": "Float64",
+    "matched": "Float64",
     "geodesic_mean": "Float64",
     "geodesic_median": "Float64",
     "geodesic_symmetric_mean": "Float64",

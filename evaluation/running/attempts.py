@@ -1,7 +1,9 @@
 """Notes of started tasks, so that one that takes its process down is noticed and not tried for ever.
 
 Before a task starts, an attempt is noted. A watchdog that needs no interpreter lock ends the process at the
-time limit and leaves a dump. Whoever gets the task next finds both.
+time limit and leaves a dump; so does a fault. Whoever gets the task next finds both. One that was running
+when its process ended may have had bad luck, such as a neighbour that took all memory: it is tried once more,
+with no other task beside it.
 """
 
 import faulthandler
@@ -14,6 +16,8 @@ from evaluation.results.store import write_json
 
 ATTEMPTS = 2
 """Times that a task may take its process down before it counts as failed; a time-out counts at once."""
+AGAIN = "again"
+"""Kind of outcome of a task that has to be tried once more, alone."""
 
 
 class Attempt:
@@ -28,15 +32,20 @@ class Attempt:
         Name of the run: attempts of earlier runs do not count.
     limit
         Seconds after which the process is ended.
+    alone
+        Whether no other task runs meanwhile.
     """
 
-    def __init__(self, folder: Path, task: Task, run: str, limit: float) -> None:
+    def __init__(self, folder: Path, task: Task, run: str, limit: float, alone: bool = False) -> None:
         self._note = folder / "running" / f"{task.key}.json"
         self._dump = folder / "running" / f"{task.key}.txt"
-        self._run, self._limit, self._count = run, limit, 0
+        self._run, self._limit, self._alone, self._count = run, limit, alone, 0
 
     def lost(self) -> tuple[str, str, str] | None:
-        """Kind, reason and detail if earlier attempts of this run took their process down for good."""
+        """Kind, reason and detail if earlier attempts of this run took their process down.
+
+        The kind is `AGAIN` if one more attempt is due, alone; None if this attempt can be made.
+        """
         try:
             note = json.loads(self._note.read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -54,20 +63,19 @@ class Attempt:
             )
         if self._count >= ATTEMPTS:
             self.clear()
-            return (
-                "crash",
-                f"took its worker down {self._count} times (killed, out of memory or a fault)",
-                dump,
-            )
-        return None
+            fault = dump.splitlines()[0] if dump.startswith("Fatal") else "killed, out of memory or an exit"
+            return "crash", f"took its worker down {self._count} times ({fault})", dump
+        return None if self._alone else (AGAIN, "its worker ended; to be tried once more, alone", dump)
 
     def __enter__(self) -> None:
         write_json(self._note, {"run": self._run, "attempt": self._count + 1, "pid": os.getpid()})
         self._stream = self._dump.open("w", encoding="utf-8")
+        faulthandler.enable(self._stream)
         faulthandler.dump_traceback_later(self._limit, exit=True, file=self._stream)
 
     def __exit__(self, *_: object) -> None:
         faulthandler.cancel_dump_traceback_later()
+        faulthandler.disable()
         self._stream.close()
         self.clear()
 

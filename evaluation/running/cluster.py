@@ -1,4 +1,8 @@
-"""Dask: a cluster on this machine, or one that runs already."""
+"""Dask: a cluster on this machine, or one that runs already.
+
+A local one listens on the loopback interface alone and talks TLS with a certificate that is made for the run:
+another user of the machine can neither hand it tasks, which is to run code, nor read what it sends.
+"""
 
 import contextlib
 import logging
@@ -6,6 +10,7 @@ import os
 import uuid
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,9 +18,12 @@ from typing import TYPE_CHECKING, Any
 from datasets_gen.records import InputError
 from evaluation.running.environment import usable_processors, versions
 from evaluation.running.process import hold_interrupts
+from evaluation.running.scheduler_check import check_scheduler
+from evaluation.running.tls import TlsFiles, certificate_of_this_run, security_of
 
 if TYPE_CHECKING:
     from distributed import Client
+    from distributed.security import Security
 
 SETTINGS = {
     "distributed.scheduler.worker-ttl": None,  # compiled code may hold the interpreter for minutes
@@ -29,6 +37,11 @@ SETTINGS = {
     "distributed.nanny.pre-spawn-environ.OPENBLAS_NUM_THREADS": 1,
     "distributed.nanny.pre-spawn-environ.MKL_NUM_THREADS": 1,
 }
+
+LOOPBACK = "127.0.0.1"
+
+PAGES = ("distributed.http.scheduler.info", "distributed.http.statics")
+"""What the scheduler's web server has beside the dashboard, and nothing without one."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +67,13 @@ class Cluster:
 
 
 @contextlib.contextmanager
-def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[Cluster]:
+def connect(
+    folder: Path,
+    jobs: int | None,
+    scheduler: str | None,
+    tls: TlsFiles | None = None,
+    dashboard: bool = False,
+) -> Iterator[Cluster]:
     """A cluster whose workers see the results folder.
 
     Parameters
@@ -65,7 +84,12 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
         Worker processes on this machine, one thread each; the number of usable processors if None.
         Ignored with a scheduler.
     scheduler
-        Address of a running scheduler, ``"tcp://host:port"``; None starts a local cluster.
+        Address of a running scheduler, ``"tls://host:port"`` or ``"tcp://host:port"``; None starts a local
+        cluster.
+    tls
+        Certificates for a running scheduler; Dask's configuration has them if None.
+    dashboard
+        Whether a local cluster has a dashboard, which every user of this machine can see.
 
     Raises
     ------
@@ -74,31 +98,56 @@ def connect(folder: Path, jobs: int | None, scheduler: str | None) -> Iterator[C
         versions of the libraries.
     """
     import dask
-    from distributed import Client, LocalCluster
 
-    with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
+    import_module("distributed")  # adds its own settings, before some are replaced for a while
+    with dask.config.set({**SETTINGS, **_web_pages(dashboard)}), contextlib.ExitStack() as stack:
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         if scheduler is None:
-            with hold_interrupts():
-                local = LocalCluster(
-                    n_workers=jobs or usable_processors(),
-                    threads_per_worker=1,
-                    processes=True,
-                    dashboard_address=":0",
-                    silence_logs=logging.CRITICAL,
-                )
-                client = Client(stack.enter_context(local))
+            client = _start(stack, jobs or usable_processors(), dashboard)
         else:
-            client = _join(Client, scheduler)
+            client = _join(scheduler, security_of(scheduler, tls))
         stack.enter_context(client)
         _check(client, folder)
         threads = sum(client.nthreads().values())
-        yield Cluster(client, threads, _dashboard(client), 60.0 if scheduler is None else 3600.0)
+        shown = _dashboard(client) if dashboard or (scheduler and find_spec("bokeh")) else ""
+        yield Cluster(client, threads, shown, 60.0 if scheduler is None else 3600.0)
 
 
-def _join(kind: type["Client"], scheduler: str) -> "Client":
+def _web_pages(dashboard: bool) -> dict[str, list[str]]:
+    """Dask starts web servers whatever is asked for; they answer nothing but the dashboard's pages."""
+    return {
+        "distributed.scheduler.http.routes": list(PAGES) if dashboard else [],
+        "distributed.worker.http.routes": [],
+    }
+
+
+def _start(stack: contextlib.ExitStack, workers: int, dashboard: bool) -> "Client":
+    """A cluster on this machine that ends with the stack, and its client."""
+    from distributed import Client, LocalCluster
+
+    security = certificate_of_this_run()
+    with hold_interrupts():
+        local = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host=LOOPBACK,
+            protocol="tls://",
+            security=security,
+            dashboard_address=f"{LOOPBACK}:0",
+            worker_dashboard_address=None,
+            scheduler_kwargs={"dashboard": dashboard},
+            silence_logs=logging.CRITICAL,
+        )
+        return Client(stack.enter_context(local), security=security)
+
+
+def _join(scheduler: str, security: "Security") -> "Client":
+    from distributed import Client
+
+    check_scheduler(scheduler, security, versions())
     try:
-        client = kind(scheduler, timeout=10)
+        client = Client(scheduler, timeout=10, security=security)
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(
             f"no Dask scheduler answers at {scheduler!r}: start `dask scheduler` there"

@@ -1,14 +1,17 @@
 """Runs tasks on a Dask cluster: in the order their inputs come in, a few at a time, whatever fails."""
 
 import logging
+from collections import deque
 from collections.abc import Callable, Collection, Iterator
+from concurrent.futures import CancelledError
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
 from datasets_gen.records import InputError
 from evaluation.experiment.tasks import Task
-from evaluation.results.outcome import Outcome
+from evaluation.results.outcome import Outcome, one_line
+from evaluation.running.attempts import AGAIN
 from evaluation.running.cluster import Cluster
 from evaluation.running.progress import ProgressCallbacks
 from evaluation.running.task_queue import TaskQueue
@@ -19,10 +22,13 @@ log = logging.getLogger(__name__)
 LOOK_EVERY = 5.0
 """Seconds between looks for workers while no task ends."""
 
+REPLACE_AFTER = 15.0
+"""Seconds without any worker after which those of a cluster on this machine are replaced."""
+
 IN_FLIGHT = 3
 """Tasks handed to the scheduler per worker: enough that none waits, few enough that memory stays flat."""
 
-Runner = Callable[[str, Task, str, float], Outcome]
+Runner = Callable[[str, Task, str, float, bool], Outcome]
 
 
 def execute(
@@ -58,27 +64,35 @@ def execute(
     """
     queue = TaskQueue(tasks, stored)
     failures: list[Outcome] = []
-    flying: dict[Any, Task] = {}
+    flying: dict[Any, tuple[Task, bool]] = {}
+    suspects: deque[Task] = deque()  # their worker ended: to be tried when nothing else runs
     done: SimpleQueue[Any] = SimpleQueue()
 
-    def submit() -> None:
-        while len(flying) < IN_FLIGHT * max(cluster.workers, 1):
-            task = queue.pop()
-            if task is None:
-                return
-            key = (f"{task.stage}-{run}", task.key)  # by stage: the scheduler remembers groups for ever
-            future = cluster.client.submit(runner, str(folder), task, run, limit, key=key, pure=False)
-            flying[future.key] = task
-            future.add_done_callback(done.put)
+    def submit(task: Task, alone: bool) -> None:
+        key = (f"{task.stage}-{run}", task.key + alone * "-alone")  # the scheduler remembers groups for ever
+        future = cluster.client.submit(runner, str(folder), task, run, limit, alone, key=key, pure=False)
+        flying[future.key] = task, alone
+        future.add_done_callback(done.put)
 
-    submit()
+    def submit_what_can_run() -> None:
+        while len(flying) < IN_FLIGHT * max(cluster.workers, 1) and (task := queue.pop()) is not None:
+            submit(task, False)
+        if suspects and not flying:
+            submit(suspects.popleft(), True)
+
+    submit_what_can_run()
     while flying:
         future = _next(done, cluster)
-        task = flying.pop(future.key)
-        for each in _settle(queue, _outcome(task, future)):
-            failures.extend([] if each.ok else [each])
-            progress.advance(each)
-        submit()
+        task, alone = flying.pop(future.key)
+        outcome = _outcome(task, future, alone)
+        future.release()  # or Dask runs it again if the worker that holds the outcome ends
+        if outcome.kind == AGAIN:
+            suspects.append(task)
+        else:
+            for each in _settle(queue, outcome):
+                failures.extend([] if each.ok else [each])
+                progress.advance(each)
+        submit_what_can_run()
     return failures
 
 
@@ -90,18 +104,40 @@ def _next(done: "SimpleQueue[Any]", cluster: Cluster) -> Any:
             return done.get(timeout=LOOK_EVERY)
         except Empty:
             alone = 0.0 if cluster.client.nthreads() else alone + LOOK_EVERY
+            if REPLACE_AFTER <= alone < REPLACE_AFTER + LOOK_EVERY:
+                _replace_workers(cluster)
             if alone >= cluster.patience:
                 raise InputError(
                     f"no worker for {alone:.0f} s: all are gone; results are stored, the same command goes on"
                 ) from None
 
 
-def _outcome(task: Task, future: Any) -> Outcome:
-    """What a worker reported, or what Dask says of a task whose worker never answered."""
+def _replace_workers(cluster: Cluster) -> None:
+    """Start the workers on this machine afresh: Dask does not replace one that ends as it starts."""
+    local = getattr(cluster.client, "cluster", None)
+    if local is None:
+        return  # a running cluster looks after its workers
+    log.warning("all workers ended; they are replaced")
+    start = 1 + max((name for name in local.workers if isinstance(name, int)), default=-1)
+    local.worker_spec.clear()
+    local.worker_spec.update({start + i: local.new_spec for i in range(cluster.workers)})  # other names
+    local.scale(cluster.workers)
+
+
+def _outcome(task: Task, future: Any, alone: bool) -> Outcome:
+    """What a worker reported, or what Dask says of a task whose worker never answered.
+
+    Dask gives up on a task that was waiting at several workers when others took them down: it is innocent
+    until that happens when it is alone.
+    """
     try:
         found = future.result()
+    except CancelledError as error:
+        raise InputError(
+            f"the scheduler is gone ({one_line(error)}); results are stored, the same command goes on"
+        ) from error
     except Exception as error:
-        return Outcome(task, False, f"{type(error).__name__}: {error}".splitlines()[0], "crash")
+        return Outcome(task, False, one_line(error), "crash" if alone else AGAIN)
     return found if isinstance(found, Outcome) else Outcome(task, False, f"no outcome but {found!r}", "crash")
 
 

@@ -84,7 +84,10 @@ def preview(
     store = ResultsStore(Path(folder).resolve())
     shapes = shape_tasks(settings)
     plan = make_plan(settings, shapes, known_poses(store, shapes))
-    records = {key: store.record(task.stage, key) for key, task in plan.tasks.items()}
+    stored, _ = store.examined(plan.tasks.values())
+    records = {
+        key: store.record(task.stage, key) if key in stored else None for key, task in plan.tasks.items()
+    }
     waiting = by_stage([task for key, task in plan.tasks.items() if records[key] is None])
     workers = jobs or usable_processors()
     seconds = seconds_of(waiting, _seconds_per_stage(plan, records, settings.scan.points)) / workers

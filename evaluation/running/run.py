@@ -1,10 +1,12 @@
 """One call from an experiment to a results folder."""
 
 import contextlib
+import logging
 import os
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +18,18 @@ from evaluation.experiment.make_plan import make_plan, shape_tasks
 from evaluation.experiment.plan import Plan
 from evaluation.experiment.tasks import Task
 from evaluation.results.folder_lock import lock_folder
+from evaluation.results.integrity import damage_line
 from evaluation.results.outcome import Outcome
-from evaluation.results.store import FORMAT, ResultsStore, write_json
+from evaluation.results.store import FORMAT, ResultsStore
 from evaluation.results.table import write_tables
 from evaluation.running.cluster import Cluster, connect
 from evaluation.running.environment import machine, versions
 from evaluation.running.execute import execute
 from evaluation.running.progress import ProgressCallbacks, Silent
 from evaluation.running.task_queue import by_stage
+from evaluation.running.tls import TlsFiles
+
+log = logging.getLogger(__name__)
 
 
 def run(
@@ -32,6 +38,8 @@ def run(
     *,
     jobs: int | None = None,
     scheduler: str | None = None,
+    tls: TlsFiles | None = None,
+    dashboard: bool = False,
     force: bool = False,
     progress: ProgressCallbacks | None = None,
 ) -> ResultsStore:
@@ -47,6 +55,10 @@ def run(
         Worker processes, one thread each; the number of usable processors if not given.
     scheduler
         Address of a Dask scheduler to use instead.
+    tls
+        Certificates for that scheduler, if its address begins with ``tls://``.
+    dashboard
+        Whether local workers have Dask's dashboard, which every user of this machine can see.
     force
         Run everything again.
     progress
@@ -69,7 +81,8 @@ def run(
     shapes = shape_tasks(settings)
     plan = make_plan(settings, shapes, known_poses(store, shapes))  # raises before anything is written
     with lock_folder(path):
-        return _Run(settings, store, jobs, scheduler, force, progress or Silent()).run(plan, shapes)
+        opened = partial(connect, path, jobs, scheduler, tls, dashboard)
+        return _Run(settings, store, opened, force, progress or Silent()).run(plan, shapes)
 
 
 def known_poses(store: ResultsStore, shapes: Mapping[str, Task]) -> dict[str, Mapping[str, Any]]:
@@ -105,13 +118,12 @@ class _Run:
         self,
         experiment: Experiment,
         store: ResultsStore,
-        jobs: int | None,
-        scheduler: str | None,
+        opened: Callable[[], contextlib.AbstractContextManager[Cluster]],
         force: bool,
         progress: ProgressCallbacks,
     ) -> None:
         self.experiment, self.store, self.force, self.progress = experiment, store, force, progress
-        self.jobs, self.scheduler = jobs, scheduler
+        self._opened = opened
         self.name = uuid.uuid4().hex[:8]
         self.started = time.time()
         self.failures: list[Outcome] = []
@@ -134,12 +146,10 @@ class _Run:
 
     def _complete(self, plan: Plan) -> None:
         """Run what has no result yet."""
-        waiting, stored = [], set()
-        for task in plan.tasks.values():
-            if not self.force and self.store.record(task.stage, task.key) is not None:
-                stored.add(task.key)
-            else:
-                waiting.append(task)
+        stored, damaged = (set(), {}) if self.force else self.store.examined(plan.tasks.values())
+        if damaged:
+            log.warning("%s", damage_line(damaged))
+        waiting = [task for task in plan.tasks.values() if task.key not in stored]
         if not waiting:
             return
         cluster = self._connected()
@@ -157,7 +167,7 @@ class _Run:
 
     def _connected(self) -> Cluster:
         if self._cluster is None:
-            self._cluster = self._stack.enter_context(connect(self.store.folder, self.jobs, self.scheduler))
+            self._cluster = self._stack.enter_context(self._opened())
             self._write_experiment()
         return self._cluster
 
@@ -170,9 +180,9 @@ class _Run:
         for label, reason in plan.unavailable.items():
             self.failures.append(Outcome(Task(label, "map", {}, {}, label), False, reason, "unavailable"))
         state = digest([[dict(row.columns), row.score] for row in plan.rows])
-        before = self.store.run_info()
+        before = self.store.last_run()
         unchanged = self.ran == 0 and before.get("rows_digest") == state and not self.failures
-        if unchanged and (self.store.folder / "table.parquet").is_file() and not before.get("failures"):
+        if unchanged and self.store.is_merged() and not before.get("failures"):
             return
         self._write_experiment()
         table = write_tables(self.store, plan, self.failures)
@@ -194,7 +204,7 @@ class _Run:
             "mitsuba_variants": self._variants(plan),
             "machine": machine(),
         }
-        write_json(self.store.folder / "run.json", info)
+        self.store.write_run_info(info)
 
     def _variants(self, plan: Plan) -> list[str]:
         """Mitsuba variants that traced the scans."""

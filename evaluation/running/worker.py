@@ -4,6 +4,7 @@ Everything goes through the results folder, so a task may run anywhere that sees
 """
 
 import contextlib
+import threading
 import time
 import traceback
 from collections import OrderedDict
@@ -12,15 +13,18 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from datasets_gen.collection import Collection
 from datasets_gen.records import InputError
 from evaluation.experiment.tasks import STAGES, Task
-from evaluation.results.outcome import Outcome
+from evaluation.results.outcome import Outcome, one_line
 from evaluation.results.store import ResultsStore
-from evaluation.running.attempts import Attempt
+from evaluation.running.attempts import AGAIN, Attempt
 from evaluation.running.process import keep_freed_memory, peak_memory, single_thread
+from evaluation.running.read_only import read_only
 from evaluation.running.stages.interface import Inputs
 
+SETTLED = 1.0
+"""Seconds of a process before it computes anything: Dask never replaces one that ends while it starts."""
+_BORN = time.monotonic()
 CACHED = 12
 """Records a worker keeps, most recently used: neighbouring tasks share inputs."""
 
@@ -28,8 +32,8 @@ ROLE_STAGES = {"shape": "shape", "render": "render", "map": "map"}
 """Stage of an input by its role; ``*scan`` are scans and the others operators."""
 
 
-def run_task(folder: str, task: Task, run: str, limit: float) -> Outcome:
-    """Compute and store one task.
+def run_task(folder: str, task: Task, run: str, limit: float, alone: bool = False) -> Outcome:
+    """Compute and store one task; one at a time per process, so that a lost process is blamed on that one.
 
     Parameters
     ----------
@@ -40,18 +44,30 @@ def run_task(folder: str, task: Task, run: str, limit: float) -> Outcome:
         Name of the run: attempts of earlier runs do not count.
     limit
         Seconds after which this process is ended.
+    alone
+        Whether no other task of the run is in flight.
 
     Returns
     -------
     Outcome
-        Never raises for what a task does.
+        Never raises for what a task does, be it that it asks the interpreter to exit. Of kind
+        `evaluation.running.attempts.AGAIN`, with nothing computed, if the task has to be tried alone.
     """
+    with _ONE_AT_A_TIME:
+        return _run(ResultsStore(folder), task, Attempt(Path(folder), task, run, limit, alone))
+
+
+_ONE_AT_A_TIME = threading.Lock()
+
+
+def _run(store: ResultsStore, task: Task, attempt: Attempt) -> Outcome:
     keep_freed_memory()
-    store = ResultsStore(folder)
-    attempt = Attempt(Path(folder), task, run, limit)
     lost = attempt.lost()
     if lost:
-        return _failed(store, task, *lost)
+        kind, reason, detail = lost
+        if kind == AGAIN:
+            return Outcome(task, False, reason, kind)
+        return _failed(store, task, kind, reason, detail)
     start, used = time.perf_counter(), time.process_time()
     try:
         with attempt, single_thread(), peak_memory() as memory:
@@ -60,9 +76,10 @@ def run_task(folder: str, task: Task, run: str, limit: float) -> Outcome:
         store.write_record(task, seconds, used, memory.megabytes, info)
     except InputError as error:
         return _failed(store, task, "error", str(error), start=start)
-    except Exception as error:
-        reason = f"{type(error).__name__}: {error}".splitlines()[0]
-        return _failed(store, task, "error", reason, traceback.format_exc(), start)
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt) and threading.current_thread() is threading.main_thread():
+            raise  # from the keyboard; in a worker, tasks run in another thread, which no signal reaches
+        return _failed(store, task, "error", one_line(error), traceback.format_exc(), start)
     return Outcome(task, True, seconds=seconds)
 
 
@@ -70,7 +87,7 @@ def _failed(
     store: ResultsStore, task: Task, kind: str, reason: str, detail: str = "", start: float | None = None
 ) -> Outcome:
     seconds = 0.0 if start is None else time.perf_counter() - start
-    outcome = Outcome(task, False, " ".join(reason.split()), kind, seconds, detail)
+    outcome = Outcome(task, False, reason, kind, seconds, detail)
     with contextlib.suppress(
         InputError, OSError
     ):  # a full disk must not hide the reason: the driver has it too
@@ -97,6 +114,7 @@ def _compute(store: ResultsStore, task: Task) -> Mapping[str, Any]:
             (str(store.folder), keys[role], function.__qualname__), lambda: function(load(role))
         )
 
+    time.sleep(max(0.0, _BORN + SETTLED - time.monotonic()))  # next to nothing: importing took as long
     output = stage.compute(task.spec, Inputs(keys, load, note, derive))
     if output.save is not None:
         output.save(store.path(task.stage, task.key))
@@ -110,25 +128,25 @@ def stage_of(role: str) -> str:
 
 def _load(store: ResultsStore, stage: str, key: str) -> Any:
     if stage == "shape":
-        return Collection.load(store.path(stage, key))
+        return store.shape(key)
     if stage == "operator":
         return store.operator(key)
     if stage == "map":
         return store.matching(key)
     from scanner_sim import Scan
 
-    return Scan.load(store.path(stage, key))
+    return Scan.load(store.whole_path(stage, key))
 
 
 class _RecentValues:
-    """The last few values, by name."""
+    """The last few values, by name; read-only, as they are shared."""
 
     def __init__(self, size: int) -> None:
         self._size, self._values = size, OrderedDict[Any, Any]()
 
     def get(self, name: Any, make: Callable[[], Any]) -> Any:
         if name not in self._values:
-            self._values[name] = make()
+            self._values[name] = read_only(make())
         self._values.move_to_end(name)
         while len(self._values) > self._size:
             self._values.popitem(last=False)

@@ -53,6 +53,7 @@ from medial.matching.registration.search import (
 )
 from medial.matching.registration.selection import Finalist, FineSelection, groups
 from medial.matching.result import UNCHECKED, Alternative, Matching
+from medial.matching.without_strays import WithoutStrays, of_all_points
 from medial.matching.zoomout import spectral_refinement
 
 ENOUGH = 1.35
@@ -89,8 +90,10 @@ def match(
     InputError
         If the operators or their settings differ, or a cloud has no positive eigenvalue.
     """
+    here, there = WithoutStrays.of(source), WithoutStrays.of(target)
     with single_blas_thread():
-        return match_pair(prepare_pair(source, target, config, seed))
+        found = match_pair(prepare_pair(here.diffusion, there.diffusion, config, seed))
+    return of_all_points(found, here, there)
 
 
 def extrapolate(
@@ -126,16 +129,20 @@ def extrapolate(
             raise InputError(
                 f"landmarks need {name} point ids in [0, {len(diffusion)}), got {pairs[:, column].tolist()}"
             )
+    here, there = WithoutStrays.of(source), WithoutStrays.of(target)
+    if here.stray[pairs[:, 0]].any() or there.stray[pairs[:, 1]].any():
+        raise InputError("a landmark is a stray point, far from all others; choose others")
+    pairs = np.column_stack([here.nearest[pairs[:, 0]], there.nearest[pairs[:, 1]]])
     with single_blas_thread():
-        pair = prepare_pair(source, target, config, seed)
+        pair = prepare_pair(here.diffusion, there.diffusion, config, seed)
         if pair.config.selection == "fit":
             directions = pair_directions(pair)
             given = [c for direction in directions for c in candidates(direction, [pairs], [])]
             found = match_by_fit(pair, directions, given)
         else:
-            here, there = pair.source.descriptors, pair.target.descriptors
-            found = match_by_cost(pair, [diffusion_candidate(here, there, pairs, pair.config)])
-    return replace(found, landmarks=pairs)
+            both = pair.source.descriptors, pair.target.descriptors
+            found = match_by_cost(pair, [diffusion_candidate(*both, pairs, pair.config)])
+    return of_all_points(replace(found, landmarks=pairs), here, there)
 
 
 def match_pair(pair: PreparedPair) -> Matching:

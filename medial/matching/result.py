@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.record_arrays import check_ids, check_layout, check_values
 from datasets_gen.records import InputError, load_record, save_record, unpacking
 from medial.matching.config import MatchConfig
 
@@ -129,7 +130,9 @@ class Matching:
             for each in self.alternatives
         ]
 
-    def extended(self, nearest: Int, source_ids: Int, target_ids: Int) -> "Matching":
+    def extended(
+        self, nearest: Int, source_ids: Int, target_ids: Int, stray: NDArray[np.bool_] | None = None
+    ) -> "Matching":
         """The map between the whole clouds that the matched points were picked from.
 
         Parameters
@@ -138,6 +141,8 @@ class Matching:
             For every point of the whole source, the matched source point (in [0, n_source)) that it follows.
         source_ids, target_ids : (n_source,), (n_target,) int64
             Point ids of the matched points in the whole clouds.
+        stray : (N_source,) bool, optional
+            Points far from all others, whose confidence is 0.
 
         Returns
         -------
@@ -149,6 +154,10 @@ class Matching:
             image = np.where(matched < 0, -1, target_ids[matched])
             return np.asarray(image[nearest], dtype=np.int64)
 
+        def belief(confidence: Float) -> Float:
+            everywhere = np.asarray(confidence[nearest], dtype=np.float64)
+            return everywhere if stray is None else np.where(stray, 0.0, everywhere)
+
         restarts = dict(self.restarts)
         for name, ids in (("first", source_ids), ("partner", target_ids)):
             if name in restarts:
@@ -157,10 +166,10 @@ class Matching:
             self,
             source_to_target=whole(self.source_to_target),
             alternatives=tuple(
-                Alternative(each.probability, whole(each.source_to_target), each.confidence[nearest])
+                Alternative(each.probability, whole(each.source_to_target), belief(each.confidence))
                 for each in self.alternatives
             ),
-            confidence=self.confidence[nearest],
+            confidence=belief(self.confidence),
             landmarks=np.column_stack([source_ids[self.landmarks[:, 0]], target_ids[self.landmarks[:, 1]]]),
             restarts=restarts,
         )
@@ -198,6 +207,7 @@ class Matching:
             meta["config"].pop("first_mode", None)  # was always 1 unless someone changed it
             meta["config"] = MatchConfig.from_dict(meta["config"])
             meta["alternatives"] = _alternatives(arrays)
+            _check(arrays, meta)
             return cls(**arrays, **meta, restarts=table)
 
 
@@ -212,6 +222,21 @@ def _read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]
             raise error from None
     kept = {name: meta.pop(name) for name in ("cost", "flip", "seed") if name in meta}
     return arrays, kept | {"about": meta, "config": asdict(MatchConfig())}
+
+
+def _check(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
+    """Raise ValueError unless the arrays of a file and its alternatives make a map."""
+    clouds = {name: f"float {name[0]} 3" for name in _CLOUDS if name in arrays}
+    layout = {"source_to_target": "int s", "landmarks": "int L 2", "confidence": "float s", **clouds}
+    sizes = check_layout(arrays, layout)
+    check_values(Matching, {name: meta[name] for name in ("mirror_check", "seed") if name in meta})
+    count = sizes.get("t", np.iinfo(np.int64).max)
+    for each in (arrays, *map(vars, meta["alternatives"])):
+        check_layout(each, {"source_to_target": "int s", "confidence": "float s"}, finite="confidence")
+        check_ids(each["source_to_target"], count, "a map", -1)
+        if len(each["confidence"]) != sizes["s"] or np.abs(each["confidence"] - 0.5).max(initial=0) > 0.5:
+            raise ValueError("a confidence is missing or outside [0, 1]")
+    check_ids(arrays["landmarks"][:, 0], sizes["s"], "source landmarks")
 
 
 def _alternatives(arrays: dict[str, Any]) -> tuple[Alternative, ...]:

@@ -24,6 +24,7 @@ def compare(folder: Path, measure: str, quiet: bool) -> None:
 
     The tests are two-sided Wilcoxon signed-rank tests over pairs of scans, corrected for their number (Holm).
     """
+    from reports.tables.completeness import unmatched
     from reports.tables.leaderboard import ceilings, leaderboard, with_numpy_types
     from reports.tables.statistics import paired_tests
     from reports.tables.terminal import leaderboard_lines, tests_lines
@@ -36,7 +37,7 @@ def compare(folder: Path, measure: str, quiet: bool) -> None:
             f"{str(folder)!r} holds no correspondences to compare; run an experiment with [matching]"
         )
     print_lines(leaderboard_lines(board, result_console().width))
-    tests = paired_tests(table, measure)
-    if len(tests):
+    tests, left_out = paired_tests(table, measure), unmatched(table[table["kind"] == "matching"])
+    if len(tests) or left_out:
         result_console().print()
-        print_lines(tests_lines(tests, measure))
+        print_lines(tests_lines(tests, measure, left_out))

@@ -86,7 +86,7 @@ def print_lines(lines: Iterable[str]) -> None:
     """Print lines with rich's markup, unbroken."""
     console = result_console()
     for line in lines:
-        console.print(line, soft_wrap=True)
+        console.print(line, soft_wrap=True, emoji=False)
 
 
 def error_console() -> "Console":

@@ -82,7 +82,7 @@ def write_map(
     out: Path, source: "ThinnedCloud", target: "ThinnedCloud", found: "Matching", about: dict[str, Any]
 ) -> "Matching":
     """Carry a map from the matched points to all points of the files, and save it."""
-    whole = found.extended(source.nearest, source.kept, target.kept)
+    whole = found.extended(source.nearest, source.kept, target.kept, source.stray)
     whole = replace(whole, source_points=source.points, target_points=target.points, about=about)
     whole.save(out)
     return whole

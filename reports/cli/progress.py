@@ -220,7 +220,7 @@ def _rich_progress(console: "Console", remaining: Callable[[], str]) -> "Progres
             return Text(remaining(), style="progress.remaining")
 
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=None),
         TaskProgressColumn(),
         TimeElapsedColumn(),

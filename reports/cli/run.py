@@ -13,6 +13,7 @@ from reports.cli.progress import clock, sweep_progress
 
 if TYPE_CHECKING:
     from evaluation import Experiment, ResultsStore
+    from evaluation.running.tls import TlsFiles
 
 
 @click.command(cls=Command, short_help="Run an experiment from shapes to report.")
@@ -40,8 +41,12 @@ if TYPE_CHECKING:
     "-j", "--jobs", type=click.IntRange(min=1), help="Worker processes.  [default: number of processors]"
 )
 @click.option(
-    "--scheduler", metavar="tcp://HOST:PORT", help="Use a running Dask cluster instead of local workers."
+    "--scheduler", metavar="tls://HOST:PORT", help="Use a running Dask cluster instead of local workers."
 )
+@click.option("--tls-ca", metavar="FILE", help="Certificate (PEM) that signed those of the cluster.")
+@click.option("--tls-cert", metavar="FILE", help="Certificate (PEM) of this process for the cluster.")
+@click.option("--tls-key", metavar="FILE", help="Its key (PEM), unless the certificate's file holds it.")
+@click.option("--dashboard", is_flag=True, help="Show Dask's dashboard of local workers, to all users here.")
 @click.option("--force", is_flag=True, help="Run everything again, even what is stored.")
 @click.option("--dry-run", is_flag=True, help="Say what would run, and run nothing.")
 @click.option(
@@ -55,6 +60,10 @@ def run(
     seeds: int | None,
     jobs: int | None,
     scheduler: str | None,
+    tls_ca: str | None,
+    tls_cert: str | None,
+    tls_key: str | None,
+    dashboard: bool,
     force: bool,
     dry_run: bool,
     with_report: bool,
@@ -71,20 +80,33 @@ def run(
     Results that are stored in the folder already are used again, so the same command goes on after an
     interruption. Ends with the leaderboard and the path of the report.
     """
+    from datasets_gen.paths import safe_name
     from reports.cli.output_paths import check_output_folder
 
     settings = load_experiment(experiment, datasets, seeds, poses)
-    folder = out or results_of(experiment) or Path("results") / settings.name
+    folder = out or results_of(experiment) or Path("results") / safe_name(settings.name)
     if dry_run:
         _preview(settings, folder, jobs)
         return
     check_output_folder(folder)
     check_experiment_kept(experiment, settings, folder)
-    store = _sweep(settings, folder, quiet, jobs=jobs, scheduler=scheduler, force=force)
+    cluster = {"jobs": jobs, "scheduler": scheduler, "tls": _tls(tls_ca, tls_cert, tls_key, scheduler)}
+    store = _sweep(settings, folder, quiet, **cluster, dashboard=dashboard, force=force)
     _finish(store, with_report, quiet, jobs)
 
 
 run.help = str(run.help).replace("PRESETS", ", ".join(preset_names("evaluation", "protocols")))
+
+
+def _tls(ca: str | None, cert: str | None, key: str | None, scheduler: str | None) -> "TlsFiles | None":
+    """The certificates that were given; UsageError if they cannot be used as given."""
+    from evaluation.running.tls import TlsFiles
+
+    if ca is None and cert is None and key is None:
+        return None
+    if ca is None or cert is None or scheduler is None:
+        raise click.UsageError("--scheduler, --tls-ca and --tls-cert go together (and --tls-key)")
+    return TlsFiles(ca, cert, key)
 
 
 def _sweep(settings: "Experiment", folder: Path, quiet: bool, **options: Any) -> "ResultsStore":

@@ -1,12 +1,14 @@
 """NAME=VALUE options."""
 
-import json
 import re
-import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 import click
+
+from datasets_gen.parsing import parsed_json, parsed_toml
+from datasets_gen.records import InputError
 
 LEADING, TRAILING = re.compile(r"(?<![\w.])\.(?=\d)"), re.compile(r"(?<=\d)\.(?![\w.])")
 """Points of numbers as people write them, ``.5`` and ``1.``; TOML wants digits on both sides."""
@@ -16,13 +18,11 @@ def value_of(text: str) -> Any:
     """What a text stands for: a value of TOML, with numbers such as ``.5`` and ``1.``, or JSON, or itself."""
     text = text.strip()
     for attempt in (text, TRAILING.sub(".0", LEADING.sub("0.", text))):
-        try:
-            return tomllib.loads(f"value = {attempt}")["value"]
-        except tomllib.TOMLDecodeError:
-            continue
+        with suppress(InputError):
+            return parsed_toml(f"value = {attempt}", "a value")["value"]
     try:
-        return json.loads(text)
-    except ValueError:
+        return parsed_json(text, "a value")
+    except InputError:
         return text
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.figures.style import QUIET, legend_below, new_figure, series_styles, styled
+from reports.figures.style import QUIET, as_label, legend_below, new_figure, series_styles, styled
 from reports.method_order import order_methods
 
 TICKS = 8
@@ -62,7 +62,7 @@ def _draw(axes: Axes, part: pd.DataFrame, styles: dict[str, dict[str, Any]]) -> 
         curve = of_pose.agg(["mean", "min", "max"])
         if curve.empty:
             continue
-        axes.plot(curve.index, curve["mean"], label=pose, mec="white", mew=0.5, **style)
+        axes.plot(curve.index, curve["mean"], label=as_label(pose), mec="white", mew=0.5, **style)
         if (curve["max"] > curve["min"]).any():
             axes.fill_between(curve.index, curve["min"], curve["max"], color=style["color"], alpha=0.13, lw=0)
 

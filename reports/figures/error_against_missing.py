@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.style import legend_below, method_lines, new_figure, styled
+from reports.figures.style import as_label, legend_below, method_lines, new_figure, styled
 from reports.method_order import order_methods
 
 
@@ -33,7 +33,7 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
             missing = 50 * (part["source_missing"] + part["target_missing"]).to_numpy()
             error = part["geodesic_mean"].to_numpy()
             axes.plot(missing, error, ".", color=styles[name]["color"], alpha=0.7, markersize=8, mew=0)
-            axes.plot(*_medians(missing, error), **styles[name], label=name)
+            axes.plot(*_medians(missing, error), **styles[name], label=as_label(name))
         axes.set_title(dataset)
         axes.set_xlabel("missing surface, mean of both scans, %")
     grid[0][0].set_ylim(bottom=0)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.style import legend_below, method_lines, new_figure, styled
+from reports.figures.style import as_label, legend_below, method_lines, new_figure, styled
 from reports.method_order import order_methods
 
 
@@ -29,7 +29,7 @@ def pck_curves(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: N
     for axes, (group, lines) in zip(grid.flat, curves.items(), strict=False):
         for name in methods:
             if name in lines:
-                axes.plot(radii, 100 * lines[name], **styles[name], label=name)
+                axes.plot(radii, 100 * lines[name], **styles[name], label=as_label(name))
         axes.set_title(group)
         axes.set_ylim(0, 100)
         axes.set_xlim(0, radii[-1])
@@ -41,5 +41,6 @@ def pck_curves(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: N
     for row in grid:
         row[0].set_ylabel("points matched within, %")
     handles = {line.get_label(): line for axes in grid.flat for line in axes.get_lines()}
-    legend_below(figure, [handles[m] for m in methods], methods)
+    labels = [as_label(name) for name in methods]
+    legend_below(figure, [handles[label] for label in labels], labels)
     return figure

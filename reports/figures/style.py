@@ -66,6 +66,7 @@ _SETTINGS: Any = {
     "lines.markersize": 4.5,
     "pdf.fonttype": 42,
     "svg.hashsalt": "medialbench",
+    "text.parse_math": False,  # names are shown as they are, also with dollar signs
 }
 
 
@@ -146,6 +147,11 @@ def method_lines(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
         lines[label] = {"color": color, "linestyle": _DASHES[used[color] % len(_DASHES)]}
         used[color] += 1
     return lines
+
+
+def as_label(name: str) -> str:
+    """A name for a legend, which leaves out what begins with an underscore."""
+    return f"\u200b{name}" if name.startswith("_") else name
 
 
 def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:

@@ -12,6 +12,7 @@ from reports.method_order import order_methods
 from reports.tables.columns import (
     GROUP,
     LEADERBOARD,
+    NOTE,
     PARTIAL,
     STABILITY,
     STABILITY_GROUP,
@@ -20,6 +21,7 @@ from reports.tables.columns import (
     cell_text,
     filled_columns,
 )
+from reports.tables.completeness import unranked
 
 if TYPE_CHECKING:
     from reports.page.pictures import PagePicture
@@ -31,7 +33,7 @@ BOARD = tuple(column for column in LEADERBOARD if column.name not in ("maps", "m
 """Columns of the leaderboard on the page, where every regime has a head of its own."""
 
 
-EXPLAINED = ("overlap_iou", "spread", "missing", *PARTIAL)
+EXPLAINED = ("matched", NOTE, "overlap_iou", "spread", "missing", *PARTIAL)
 """Columns that the page explains by what the tables say of them."""
 
 
@@ -112,9 +114,12 @@ def render_page(data: PageData) -> str:
 
 
 def overall(table: pd.DataFrame, beyond: Collection[str] = ()) -> list[dict[str, Any]]:
-    """Means of each method over all maps, the lowest error first, those beyond competition last."""
+    """Means of each method over all maps, the lowest error first.
+
+    Those with incomplete maps come after the others, those beyond competition last.
+    """
     maps = table[table["kind"] == "matching"]
-    rows = []
+    rows, notes = [], unranked(maps)
     for method in order_methods(maps["method"]):
         part = maps[maps["method"] == method]
         flips = part["flipped"].astype(float)
@@ -126,15 +131,21 @@ def overall(table: pd.DataFrame, beyond: Collection[str] = ()) -> list[dict[str,
                 "auc": float(part["pck_auc"].mean()),
                 "flips": None if flips.isna().all() else 100 * float(flips.mean()),
                 "maps": len(part),
+                "matched": 100 * float(part["matched"].mean()) if "matched" in part else float("nan"),
                 "beyond": method in beyond,
+                "note": notes.get(method, ""),
             }
         )
-    return sorted(rows, key=lambda row: (row["beyond"], row["mean"]))
+    return sorted(rows, key=lambda row: (row["beyond"], row["note"] != "", row["mean"]))
+
+
+def _unranked(table: pd.DataFrame) -> dict[str, str]:
+    return unranked(table[table["kind"] == "matching"])
 
 
 def headline(table: pd.DataFrame, beyond: Collection[str] = ()) -> str:
-    """The main result in one sentence; empty if fewer than two methods compete."""
-    table = table[~table["method"].isin(list(beyond))]
+    """The main result in one sentence; empty if fewer than two methods compete with complete maps."""
+    table = table[~table["method"].isin([*beyond, *_unranked(table)])]
     ranking = overall(table)
     if len(ranking) < 2:
         return ""
@@ -218,7 +229,7 @@ def flat(info: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]
     """Nested facts as lines of name and value, without what only the program reads."""
     for name, value in info.items():
         label = f"{before}{name}".replace("_", " ")
-        if name in ("format", "rows_digest", "datasets"):
+        if name in ("format", "rows_digest", "datasets", "files"):
             continue
         if isinstance(value, Mapping):
             yield from flat(value, f"{before}{name}: ")

@@ -11,8 +11,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from datasets_gen.fingerprints import digest
 from evaluation.metrics.correspondence import CURVE
 from evaluation.results.store import ResultsStore
+from evaluation.running.process import hold_interrupts
 from reports.figures.diffusion_error_curves import diffusion_error_curves
 from reports.figures.error_against_missing import error_against_missing
 from reports.figures.method_comparison import method_comparison
@@ -78,7 +80,9 @@ def drawn(
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(processes, context, _prepare, (drawing,)) as pool:
         try:
-            yield from zip(todo, pool.map(_draw, range(len(todo))), strict=True)
+            with hold_interrupts():  # they end with the pool, and say nothing
+                pictures = pool.map(_draw, range(len(todo)))
+            yield from zip(todo, pictures, strict=True)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
@@ -234,4 +238,6 @@ def _saved(figure: Figure, folder: Path, name: str, title: str, caption: str, gr
 
 
 def _file_name(text: str) -> str:
-    return "".join(c if c.isalnum() or c in "-_" else "-" for c in text)
+    """A name that every file system takes; a text that is none by itself gets a hash, so that all differ."""
+    plain = "".join(c if c.isascii() and (c.isalnum() or c in "-_") else "-" for c in text.lower())[:60]
+    return plain if plain == text else f"{plain}-{digest(text)[:8]}"

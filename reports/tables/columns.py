@@ -7,7 +7,11 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
+from evaluation.results.outcome import printable
+
 GROUP = ["dataset", "regime"]
+NOTE = "note"
+"""Column that says why a row does not compete; empty where it does."""
 STABILITY_GROUP = ["dataset", "views", "source_threshold"]
 
 
@@ -43,6 +47,9 @@ LEADERBOARD = (
     Column("maps", "maps", 0, about="Pairs of scans, over all seeds."),
     Column("missing", "missing %", 0, about="Surface that the scans lack, mean of both sides."),
     Column("geodesic_mean", "mean error", 1, "low", "Geodesic distance to the right point, × 100 / √area."),
+    Column(
+        "matched", "matched %", 0, about="Points that have a match; one without counts like a random match."
+    ),
     Column(
         "oracle_mean",
         "least error",
@@ -93,13 +100,14 @@ LEADERBOARD = (
         "sure_right",
         "sure right",
         3,
-        "high",
+        "",
         "Share of points with confidence over 0.9 whose error is under 10.",
     ),
     Column(
         "eq18", "Eq. 18", 4, about="Of the method's operator at this threshold; within one operator only."
     ),
     Column("seconds_match", "time s", 1, about="To match one pair, operators given."),
+    Column(NOTE, "not ranked", about="Why a method comes after the others and is never the best."),
 )
 
 PARTIAL = (
@@ -127,16 +135,20 @@ def filled_columns(columns: Sequence[Column], table: pd.DataFrame) -> list[Colum
 
 
 def cell_text(value: object, column: Column) -> str:
-    """A cell as people read it."""
+    """A cell as people read it: one line, without control characters."""
     if value is None or (isinstance(value, float) and np.isnan(value)):
         return "–"
-    return str(value) if column.digits is None else f"{float(value):.{column.digits}f}"  # type: ignore[arg-type]
+    return printable(str(value)) if column.digits is None else f"{float(value):.{column.digits}f}"  # type: ignore[arg-type]
 
 
 def best_cells(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> set[tuple[int, str]]:
-    """(row, column) of the best values of each group; ties as shown share, equal values have none."""
+    """(row, column) of the best values of each group; ties as shown share, equal values have none.
+
+    Rows that do not compete, by their columns ``beyond`` and `NOTE`, are never the best.
+    """
     found = set()
     rivals = table[~table["beyond"]] if "beyond" in table else table
+    rivals = rivals[rivals[NOTE].isna()] if NOTE in rivals else rivals
     for _, rows in rivals.groupby(list(group), sort=False, dropna=False):
         for column in columns:
             values = rows[column.name].dropna()

@@ -1,6 +1,7 @@
 """Tables as Markdown, LaTeX and CSV."""
 
 import os
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -14,7 +15,7 @@ def to_markdown(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[
     """A Markdown table, the best of each group in bold."""
     head = [column.title for column in columns]
     rule = ["---" if column.digits is None else "---:" for column in columns]
-    body = _cells(table, columns, group, lambda cell: f"**{cell}**", lambda cell: cell.replace("|", "\\|"))
+    body = _cells(table, columns, group, lambda cell: f"**{cell}**", _markdown)
     return "\n".join("| " + " | ".join(row) + " |" for row in [head, rule, *body]) + "\n"
 
 
@@ -56,12 +57,32 @@ def _cells(
     return rows
 
 
-_TEX = {"\\": r"\textbackslash{}", "τ": r"$\tau$", "±": r"$\pm$", "–": "--"}
+def _markdown(value: str) -> str:
+    """Text that is shown as it is, also with HTML allowed."""
+    return re.sub(r"[\\`*_\[\]<>|~]", r"\\\g<0>", value.replace("&", "&amp;"))
+
+
+_TEX = {
+    "\\": r"\textbackslash{}",
+    "τ": r"$\tau$",
+    "±": r"$\pm$",
+    "–": "--",
+    "×": r"$\times$",
+    "√": r"$\surd$",
+    "→": r"$\to$",
+}
 _TEX |= {c: "\\" + c for c in "&%$#_{}"} | {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+_TEX |= {"<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}", "`": r"\textasciigrave{}"}
+_TEX |= {c: f"{{{c}}}" for c in "[]*"}  # at the beginning of a row they would belong to the \\ before
+_JOINED = re.compile(r"(?<=([-'<>,]))\1")
+"""Characters that LaTeX joins into another one when they stand side by side."""
 
 
 def _tex(value: str) -> str:
-    return "".join(_TEX.get(character, character) for character in value)
+    parts = [_TEX.get(character, character) for character in value]
+    for match in _JOINED.finditer(value):
+        parts[match.start()] = "{}" + parts[match.start()]
+    return "".join(parts)
 
 
 def write_table(

@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 from reports.method_order import order_methods
-from reports.tables.columns import GROUP, LEADERBOARD, PARTIAL, STABILITY
+from reports.tables.columns import GROUP, LEADERBOARD, NOTE, PARTIAL, STABILITY
+from reports.tables.completeness import unranked
 
 LITTLE_SHARED = 0.9
 """Share of source points with a counterpart below which a regime's scans share little surface."""
@@ -52,6 +53,8 @@ def ceilings(settings: Mapping[str, Any]) -> set[str]:
 def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFrame:
     """Means per data set, regime and method, the best mean error first within each group.
 
+    Methods with incomplete maps come after the others (`reports.tables.completeness`).
+
     Parameters
     ----------
     table
@@ -62,7 +65,8 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     Returns
     -------
     DataFrame
-        Columns of `LEADERBOARD` and ``beyond``; empty if nothing was matched. Those of `PARTIAL` are nan for
+        Columns of `LEADERBOARD`, of which `NOTE` says why a method is not ranked, and ``beyond``; empty if
+        nothing was matched. Those of `PARTIAL` are nan for
         regimes under which more than `LITTLE_SHARED` of the source has a counterpart.
     """
     maps = _numeric(table[table["kind"] == "matching"])
@@ -74,6 +78,7 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     maps["eq18"] = _operator_error(maps, _numeric(table[table["kind"] == "stability"]))
     grouped = maps.groupby([*GROUP, "method"], sort=False)
     means = grouped[[c.name for c in LEADERBOARD if c.name in maps and c.digits is not None]].mean()
+    means["matched"] *= 100
     means["maps"] = grouped.size()
     by_seed = maps.groupby([*GROUP, "method", "seed"], sort=False)["geodesic_mean"].mean()
     means["spread"] = by_seed.groupby([*GROUP, "method"], sort=False).std()
@@ -83,8 +88,14 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     result.loc[~little, list(PARTIAL)] = np.nan
     place = {key: i for i, key in enumerate(dict.fromkeys(zip(maps["dataset"], maps["regime"], strict=True)))}
     rank = [place[key] for key in zip(result["dataset"], result["regime"], strict=True)]
+    reasons = {key: unranked(rows) for key, rows in maps.groupby(GROUP, sort=False)}
+    notes = [
+        reasons[row[:2]].get(row[2]) for row in result[[*GROUP, "method"]].itertuples(index=False, name=None)
+    ]
     result = result.assign(_rank=rank, beyond=result["method"].isin(list(beyond)))
-    result = result.sort_values(["_rank", "beyond", "geodesic_mean"], kind="stable")
+    result[NOTE] = pd.Series(notes, index=result.index, dtype=object)
+    result["_last"] = result[NOTE].notna()
+    result = result.sort_values(["_rank", "beyond", "_last", "geodesic_mean"], kind="stable")
     return result[[*(c.name for c in LEADERBOARD if c.name in result), "beyond"]].reset_index(drop=True)
 
 

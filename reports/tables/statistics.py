@@ -6,12 +6,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from reports.tables.completeness import unmatched
+
 PAIR = ["dataset", "regime", "source_pose", "target_pose"]
 """What makes two maps comparable; seeds of one pair are averaged, since they are no independent pairs."""
 
 
 def paired_tests(table: pd.DataFrame, measure: str = "geodesic_mean") -> pd.DataFrame:
-    """For every two methods, whether one has the lower error on the pairs that both matched.
+    """For every two methods, whether one has the lower error on the pairs for which both have a map.
+
+    Methods whose maps leave points out are not compared (`reports.tables.completeness.unmatched`).
 
     The Wilcoxon signed-rank test is two-sided and asks nothing of the errors' distribution; its p-values are
     corrected for the number of comparisons by Holm's method.
@@ -31,6 +35,7 @@ def paired_tests(table: pd.DataFrame, measure: str = "geodesic_mean") -> pd.Data
         are fewer than 6 pairs that differ).
     """
     maps = table[table["kind"] == "matching"]
+    maps = maps[~maps["method"].isin(list(unmatched(maps)))]
     values = pd.to_numeric(maps[measure], errors="coerce")
     wide = maps.assign(value=values).pivot_table("value", PAIR, "method", aggfunc="mean", dropna=False)
     rows = []

@@ -7,12 +7,12 @@ the device is, where the figures come from, what its data sheet says, and what w
 
 import difflib
 import os
-import tomllib
 from collections.abc import Collection, Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from datasets_gen.parsing import parsed_toml
 from datasets_gen.records import InputError
 
 KEY = "preset"
@@ -105,10 +105,7 @@ def _read(name: str | os.PathLike[str]) -> dict[str, Any]:
             f"unknown preset {str(name)!r}{nearest(str(name), names())}; known presets are "
             f"{', '.join(names())}, or give the path of a .toml file"
         )
-    try:
-        return tomllib.loads(content.decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"preset {str(name)!r} is no valid TOML: {error}") from error
+    return parsed_toml(content, f"preset {str(name)!r}")
 
 
 def nearest(word: str, known: Collection[str]) -> str:

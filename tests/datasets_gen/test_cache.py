@@ -78,3 +78,34 @@ def test_folder_that_cannot_be_written_is_logged_only(tmp_path, caplog):
 def test_nothing_temporary_is_left(tmp_path):
     cache.store(path_of("ball", 0), ball())
     assert len(list((tmp_path / "cache").iterdir())) == 1
+
+
+def test_a_name_is_no_way_out_of_the_cache(tmp_path):
+    path = path_of("../../../esc", 0)
+    assert path.resolve().parent == (tmp_path / "cache").resolve()
+
+
+@pytest.mark.parametrize("kind", ["cut", "garbled", "flipped", "empty"])
+def test_a_damaged_body_is_built_again_and_replaced(kind, monkeypatch, caplog):
+    from datasets_gen import registry
+
+    built = []
+
+    def build(plan):
+        built.append(plan)
+        return ball()
+
+    monkeypatch.setattr(registry, "build_body", build)
+    expected = registry.load("human")
+    (path,) = cache.cache_folder().glob("human-*.npz")
+    whole = path.read_bytes()
+    middle = len(whole) // 2
+    flipped = whole[:middle] + bytes([whole[middle] ^ 4]) + whole[middle + 1 :]
+    path.write_bytes({"cut": whole[:middle], "garbled": whole[::-1], "flipped": flipped, "empty": b""}[kind])
+    with caplog.at_level(logging.WARNING):
+        found = registry.load("human")
+    assert len(built) == 2
+    assert str(path) in caplog.text
+    assert np.array_equal(found.reference.vertices, expected.reference.vertices)
+    assert registry.load("human").poses == expected.poses
+    assert len(built) == 2  # the file is whole again

@@ -49,3 +49,40 @@ def test_files_of_another_version_or_format_are_refused(cls, tmp_path):
     np.save(tmp_path / "a.npy", np.arange(3))
     with pytest.raises(InputError, match=f"not a readable {kind} file"):
         cls.load(tmp_path / "a.npy")
+
+
+def test_a_flipped_bit_anywhere_is_noticed_or_changes_nothing(tmp_path):
+    path = tmp_path / "a.npz"
+    arrays = {"long": np.arange(80.0).reshape(8, 10), "short": np.arange(3)}
+    save_record(path, "Test", arrays, {"units": "mm", "sizes": [1, 2]})
+    whole, noticed = path.read_bytes(), 0
+    for place in range(len(whole)):
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << (place % 8)
+        path.write_bytes(damaged)
+        try:
+            found, meta = load_record(path, "Test")
+        except InputError:
+            noticed += 1
+            continue
+        assert meta == {"units": "mm", "sizes": [1, 2]}
+        assert found.keys() == arrays.keys()
+        assert all(np.array_equal(found[name], arrays[name]) for name in arrays)
+    assert noticed > 0.7 * len(whole)  # dates in a zip archive and the like may be anything
+
+
+def test_an_array_shorter_in_its_header_than_in_the_file(tmp_path):
+    """A reader that stops early never compares the checksum, which is at the end."""
+    path = tmp_path / "a.npz"
+    save_record(path, "Test", {"x": np.arange(8000)}, {})
+    whole = path.read_bytes()
+    assert whole.count(b"(8000,)") == 1
+    path.write_bytes(whole.replace(b"(8000,)", b"(0000,)"))
+    with pytest.raises(InputError, match="longer than its header says"):
+        load_record(path, "Test")
+
+
+def test_files_of_earlier_versions_do_not_count_their_arrays(tmp_path):
+    np.savez(tmp_path / "a.npz", kind=np.array("Test"), meta=np.array('{"units": "m"}'), x=np.arange(3))
+    arrays, meta = load_record(tmp_path / "a.npz", "Test")
+    assert (arrays["x"].tolist(), meta) == ([0, 1, 2], {"units": "m"})

@@ -6,8 +6,8 @@ import trimesh
 from evaluation import Experiment
 from tests.evaluation.meshes import blob
 
-METHODS = '''
-import os, time
+METHODS = r'''
+import os, sys, time
 from dataclasses import dataclass
 import numpy as np
 from evaluation.methods import Method, dense
@@ -17,6 +17,7 @@ class Nearest(Method):
     """Nearest neighbour in space; or trouble, on demand."""
 
     trouble: str = ""
+    number: int = 0
 
     def match(self, source, target, seed):
         if self.trouble == "raise":
@@ -25,6 +26,30 @@ class Nearest(Method):
             time.sleep(600)
         if self.trouble == "die":
             os.kill(os.getpid(), 9)
+        if self.trouble == "leave":
+            os._exit(0)
+        if self.trouble == "fault":
+            import ctypes
+            ctypes.string_at(0)
+        if self.trouble == "exit":
+            sys.exit(3)
+        if self.trouble == "interrupt":
+            raise KeyboardInterrupt
+        if self.trouble == "memory":
+            raise MemoryError
+        if self.trouble == "recursion":
+            return self.match(source, target, seed)
+        if self.trouble == "mute":
+            class Mute(Exception):
+                def __str__(self):
+                    raise RuntimeError("no words")
+            raise Mute
+        if self.trouble == "garbled":
+            raise ValueError("half \ud800\x1b[31m of\n it " + 2000 * "x")
+        if self.trouble == "write":
+            source.scan.points[:] = 0
+        if self.trouble == "note":
+            source.scan.config.__dict__.clear()
         if self.trouble == "wrong":
             return dense(np.full(len(source), len(target)), np.ones(len(source)))
         from scipy.spatial import cKDTree

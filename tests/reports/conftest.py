@@ -58,7 +58,7 @@ def write_results(folder, *, subjects=("blob",), seeds=(0,), failures=()):
     for subject in subjects:
         shapes = collection(subject)
         datasets[subject] = f"{subject}-shape"
-        shapes.save(store.path("shape", datasets[subject]))
+        keep(store, "shape", datasets[subject], shapes)
         for seed in seeds:
             rows += _rows(store, subject, shapes, seed)
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
@@ -77,6 +77,12 @@ def write_results(folder, *, subjects=("blob",), seeds=(0,), failures=()):
     return store
 
 
+def keep(store, stage, key, value, inputs=()):
+    """Store a result as a worker does: its file, then its record."""
+    value.save(store.path(stage, key))
+    store.write_record(Task(key, stage, {}, dict(inputs), key), 2.0, 1.9, None, {})
+
+
 def _scan(shapes, pose):
     """The same surface points in every pose."""
     scan = sample(shapes.reference, 200, seed=1)
@@ -89,7 +95,7 @@ def _rows(store, subject, shapes, seed):
     for pose in POSES:
         for threshold in THRESHOLDS:
             key = f"{subject}-{pose}-{threshold}-{seed}"
-            _scan(shapes, pose).save(store.path("scan", key))
+            keep(store, "scan", key, _scan(shapes, pose))
             clouds[pose, threshold] = key
     for threshold in THRESHOLDS:
         shared = {"dataset": subject, "subject": subject, "regime": f"threshold {threshold}", "views": "6"}
@@ -125,6 +131,7 @@ def _rows(store, subject, shapes, seed):
             about |= {"target_threshold": threshold, "target_missing": threshold / 2, "seconds_match": 2.0}
             errors = {"geodesic_mean": error + seed, "geodesic_median": error, "medial_mean": 1.0}
             errors |= {"geodesic_symmetric_mean": error, "flipped": operator == "heat", "coverage": 1.0}
+            errors |= {"matched": 1.0}
             errors |= {"pck_auc": 1 - error / 25, "overlap_iou": 0.9}
             yield {**shared, **about, **errors}
 
@@ -133,12 +140,11 @@ def _write_map(store, key, scan_key, operator, error):
     scan = store.scan(scan_key)
     n = len(scan)
     found = dense(np.arange(n), np.ones(n), landmarks=np.array([[0, 0], [5, 5]]))
-    found.save(store.path("map", key))
     inputs = {"source_scan": scan_key}
     if operator == "medial":
-        diffusion(scan, operator).save(store.path("operator", f"{key}-operator"))
+        keep(store, "operator", f"{key}-operator", diffusion(scan, operator))
         inputs["source_medial"] = f"{key}-operator"
-    store.write_record(Task(key, "map", {}, inputs, key), 2.0, 1.9, None, {})
+    keep(store, "map", key, found, inputs)
     curve = pck_curve(np.full(n, error / 100), CURVE)
     store.write_record(
         Task(key, "score", {}, {}, key),

@@ -19,11 +19,12 @@ from evaluation.metrics.correspondence import (
     pck_curve,
     sure_and_right,
     symmetric_mean,
+    with_unmatched,
 )
 from evaluation.metrics.diffusion_error import diffusion_error
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.limbs import Limbs, find_limbs, limb_shares
-from evaluation.metrics.medial_errors import medial_distances, medial_paths
+from evaluation.metrics.medial_errors import mean_medial_distances, medial_distances, medial_paths
 from evaluation.metrics.mirror_images import mirror_points
 from evaluation.running.stages.interface import Inputs, Output
 from medial.matching.result import CONFIDENT
@@ -66,6 +67,9 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
 
     ``spec``: ``evaluated`` (points at which to measure), ``seed``. Inputs: ``shape``, ``source_scan``,
     ``target_scan``, ``map``, ``reference_scan``, ``reference_medial``.
+
+    A point without a match counts like a random one (`with_unmatched`) in every mean, and as wrong in every
+    share; ``matched`` is the share of points that have a match.
     """
     collection: Collection = inputs.load("shape")
     reference, found = collection.reference, inputs.load("map")
@@ -73,34 +77,37 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     picked = _evaluated(len(source), spec)
     start, image = source[picked], found.source_to_target[picked]
     distance, limbs = inputs.derive("shape", reference_ruler)
-    errors = correspondence_error(distance, start, target, image, reference.area)
+    given = correspondence_error(distance, start, target, image, reference.area)
     least = least_errors(distance, start, target, reference.area)
+    random = limbs.remoteness_of(reference, start) / np.sqrt(reference.area)
+    errors = with_unmatched(given, random, least)
     confident = (found.confidence[picked] >= CONFIDENT) & (image >= 0)
-    curve = pck_curve(errors)
+    curve = pck_curve(given)
     there = overlap(start.on(reference), target.on(reference), _radius(reference, len(target)))
     row = {
         "geodesic_mean": 100 * _mean(errors),
-        "geodesic_median": 100 * float(np.nanmedian(errors)) if (image >= 0).any() else None,
+        "geodesic_median": 100 * float(np.median(errors)),
         "geodesic_overlap": 100 * _mean(errors[there]),
         "oracle_mean": 100 * _mean(least),
         "excess_mean": 100 * _mean(errors - least),
-        "gross": _mean(errors) > GROSS_ERROR if (image >= 0).any() else None,
+        "gross": _mean(errors) > GROSS_ERROR,
+        "matched": float((image >= 0).mean()),
         "pck_auc": area_under_curve(curve),
-        **{f"pck_{name}": float(pck_curve(errors, np.array([at]))[0]) for name, at in _LEVELS.items()},
+        **{f"pck_{name}": float(pck_curve(given, np.array([at]))[0]) for name, at in _LEVELS.items()},
         **_medial_errors(inputs, reference, start, target, image),
         "coverage": float(confident.mean()),
         "error_confident": 100 * _mean(errors[confident]),
-        "sure_right": sure_and_right(errors, found.confidence[picked]),
+        "sure_right": sure_and_right(given, found.confidence[picked]),
         "overlap_iou": intersection_over_union(confident, there),
         "overlap": float(there.mean()),
-        "distinct": len(np.unique(found.source_to_target)) / min(len(source), len(target)),
+        "distinct": _distinct(found.source_to_target) / min(len(source), len(target)),
         "mirror_check": found.mirror_check,
         "n_points": len(source),
         "source_missing": inputs.note("source_scan")["missing"],
         "target_missing": inputs.note("target_scan")["missing"],
     }
     row |= _limbs(limbs, reference, start, target, image)
-    row |= _symmetry(collection, distance, start, target, image, row["geodesic_mean"])
+    row |= _symmetry(collection, distance, start, target, image, errors)
     return Output(None, {"row": {k: _finite(v) for k, v in row.items()}, "curve": curve.tolist()})
 
 
@@ -133,12 +140,14 @@ def _medial_errors(
 ) -> dict[str, float]:
     """Mean distances of the rest pose's medial centres at the right and the found place."""
     diffusion = inputs.load("reference_medial")
-    matched = image >= 0
-    right, found = start[matched].on(reference), target[image[matched]].on(reference)
+    matched, right = image >= 0, start.on(reference)
     paths = inputs.derive("reference_medial", medial_paths)
-    straight, along = medial_distances(diffusion, right, found, paths)
-    unit = 100 / np.sqrt(reference.area)
-    return {"medial_mean": unit * _mean(straight), "medial_path_mean": unit * _mean(along)}
+    errors = np.empty((2, len(start)))
+    found = target[image[matched]].on(reference)
+    errors[:, matched] = medial_distances(diffusion, right[matched], found, paths)
+    errors[:, ~matched] = mean_medial_distances(diffusion, right[~matched], paths)
+    straight, along = 100 / np.sqrt(reference.area) * errors.mean(axis=1)
+    return {"medial_mean": float(straight), "medial_path_mean": float(along)}
 
 
 def _limbs(
@@ -157,15 +166,24 @@ def _symmetry(
     start: SurfacePoints,
     target: SurfacePoints,
     image: NDArray[np.int64],
-    direct: float,
+    errors: NDArray[np.float64],
 ) -> dict[str, Any]:
-    """The symmetry-aware error and whether the map is flipped; unknown without a mirror map."""
-    if collection.mirror is None:
+    """The symmetry-aware error and whether the map is flipped; unknown without a mirror map or any match.
+
+    Points without a match have the same error either way.
+    """
+    direct = 100 * _mean(errors)
+    if collection.mirror is None or not (image >= 0).any():
         return {"geodesic_symmetric_mean": direct, "flipped": None}
     other = mirror_points(collection.reference, collection.mirror, start)
-    mirrored = 100 * _mean(correspondence_error(distance, other, target, image, collection.reference.area))
-    mean, flipped = symmetric_mean(direct, mirrored)
+    found = correspondence_error(distance, other, target, image, collection.reference.area)
+    mean, flipped = symmetric_mean(direct, 100 * _mean(np.where(np.isnan(found), errors, found)))
     return {"geodesic_symmetric_mean": mean, "flipped": flipped}
+
+
+def _distinct(image: NDArray[np.int64]) -> int:
+    """Number of target points that have a partner."""
+    return len(np.unique(image[image >= 0]))
 
 
 def _mean(values: NDArray[np.float64]) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from datasets_gen import Collection, InputError, load, load_folder, write_collection, write_mesh
+from datasets_gen.registry import outline
 from tests.datasets_gen.sample_meshes import shuffled, sphere
 
 MESH = shuffled(sphere(2))
@@ -229,3 +230,54 @@ def test_a_disk_that_fills_up_leaves_no_part_of_a_data_set(there, tmp_path, monk
         write_collection(collection(), target)
     assert target.exists() == there
     assert not there or (target / "mine.txt").exists()
+
+
+def manifest_of(folder, *entries):
+    poses = [{"pose": pose, "file": file} for pose, file in entries]
+    text = {"format": "medialbench-collection-1", "subject": "s", "poses": poses}
+    (folder / "manifest.json").write_text(json.dumps(text))
+
+
+@pytest.mark.parametrize("how", ["above", "absolute", "link"])
+def test_a_manifest_reads_no_file_outside_its_folder(how, folder, tmp_path):
+    outside = tmp_path / "secret.ply"
+    write_mesh(MESH, outside)
+    (folder / "link.ply").symlink_to(outside)
+    manifest_of(folder, ("a", {"above": "../secret.ply", "absolute": str(outside), "link": "link.ply"}[how]))
+    for read in (load, outline):
+        with pytest.raises(InputError, match=r"file of pose 'a' .* lies outside") as error:
+            read(folder)
+        assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "entry", [("a", 3), (3, "rest.ply"), ("", "rest.ply"), ("a", ""), (None, "rest.ply")]
+)
+def test_names_in_a_manifest_are_texts(entry, folder):
+    manifest_of(folder, entry)
+    with pytest.raises(InputError, match="lacks 'poses' of 'pose' and 'file'"):
+        load(folder)
+
+
+def test_a_pose_named_twice_in_a_manifest(folder):
+    manifest_of(folder, ("a", "rest.ply"), ("a", "pose2.ply"))
+    with pytest.raises(InputError, match="names a pose twice"):
+        load(folder)
+
+
+def test_names_of_poses_that_are_paths_stay_in_the_folder_and_are_read_back(tmp_path):
+    names = ["../../../esc", "/abs", "a/b", "a=2Fb", "CON", ".hidden", "new\nline", "x" * 300]
+    shapes = tuple(replace(MESH, name=f"ball/{name}", subject="ball", pose=name) for name in names)
+    out = tmp_path / "deep" / "er" / "out"
+    write_collection(Collection("ball", shapes, shapes[0]), out)
+    files = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert len(files) == len(names) + 1
+    assert {path.parent for path in files} == {out}
+    assert list(load(out).poses) == names
+
+
+def test_poses_that_differ_in_case_alone_are_not_written(tmp_path):
+    shapes = tuple(replace(MESH, pose=name) for name in ("walk", "Walk"))
+    with pytest.raises(InputError, match="would be one file"):
+        write_collection(Collection("ball", shapes, shapes[0]), tmp_path / "out")
+    assert not (tmp_path / "out").exists()

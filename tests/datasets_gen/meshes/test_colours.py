@@ -149,3 +149,19 @@ def test_missing_colours_are_one_line(tmp_path, picture, files, words):
     with pytest.raises(InputError, match=words) as caught:
         read_colours(tmp_path / next(iter(files), "none.ply"))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("named", ["../secret.png", "{away}/secret.png", "link.png"])
+def test_no_texture_outside_the_folder_of_its_mesh_is_read(tmp_path, picture, named):
+    home = tmp_path / "home"
+    home.mkdir()
+    (tmp_path / "secret.png").write_bytes(picture.read_bytes())
+    (home / "link.png").symlink_to(tmp_path / "secret.png")
+    (home / "a.obj").write_text("mtllib n.mtl\nusemtl x\n" + QUAD + COORDINATES + "f 1/1 2/2 3/3\n")
+    (home / "n.mtl").write_text(f"newmtl x\nmap_Kd {named.format(away=tmp_path)}\n")
+    with pytest.raises(InputError, match=r"texture of 'a.obj', .* lies outside"):
+        read_colours(home / "a.obj")
+    (home / "a.obj").write_text("mtllib ../n.mtl\nusemtl x\n" + QUAD + "f 1 2 3\n")
+    (tmp_path / "n.mtl").write_text("newmtl x\nKd 1 0 0\n")
+    with pytest.raises(InputError, match=r"material file of 'a.obj', .* lies outside"):
+        read_colours(home / "a.obj")

@@ -9,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from datasets_gen import InputError
 from evaluation.methods import METHODS, MethodInput, create, find, missing
+from evaluation.methods.returned_map import checked_map
+from evaluation.running.read_only import read_only
 from medial import Diffusion, Matching
 from scanner_sim import sample
 from tests.evaluation.meshes import blob
@@ -56,9 +58,9 @@ def method(request, answers):
 
 
 def given(method, cloud):
-    """A cloud as a sweep hands it over: nothing that was not asked for."""
+    """A cloud as a sweep hands it over: nothing that was not asked for, and nothing that can be changed."""
     operators = {name: cloud.operators[name] for name in method.operators}
-    return replace(cloud, operators=operators, truth=cloud.truth if method.uses_truth else None)
+    return read_only(replace(cloud, operators=operators, truth=cloud.truth if method.uses_truth else None))
 
 
 _FIRST = {}
@@ -75,7 +77,7 @@ def first(method, pair):
 def test_returns_a_map_with_confidence_and_the_same_for_the_same_seed(method, pair, first):
     source, target = (given(method, each) for each in pair)
     found, again = first, method.match(source, target, seed=3)
-    assert isinstance(found, Matching)
+    assert isinstance(checked_map(found, len(source), len(target)), Matching)
     assert found.source_to_target.shape == (len(source),)
     assert found.source_to_target.dtype == np.int64
     assert found.source_to_target.min() >= -1

@@ -2,7 +2,7 @@ import pandas as pd
 import pytest
 
 from datasets_gen import InputError
-from evaluation import merge_results, preview, run
+from evaluation import ResultsStore, merge_results, preview, run
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +46,7 @@ def test_tables_of_earlier_versions_lack_columns_and_can_be_merged(small, halves
     shutil.copytree(store.folder, old)
     late = ["oracle_mean", "excess_mean", "gross", "right_limb", "medial_path_mean", "sure_right"]
     store.table().drop(columns=late).to_parquet(old / "table.parquet")
+    ResultsStore(old).write_run_info(store.run_info())
     table = merge_results([old], tmp_path / "out").table()
     assert list(table.columns) == list(store.table().columns)
     assert table.dtypes.equals(store.table().dtypes)
@@ -79,5 +80,21 @@ def test_different_results_for_one_row_are_refused(small, halves, tmp_path):
     table = store.table()
     table["score_key"] = table["score_key"] + "x"
     table.to_parquet(other / "table.parquet")
+    ResultsStore(other).write_run_info(store.run_info())
     with pytest.raises(InputError, match="different results for blob"):
         merge_results([store.folder, other], tmp_path / "out")
+
+
+def test_a_damaged_result_is_taken_from_the_folder_that_has_it_whole(small, halves, tmp_path, caplog):
+    import shutil
+
+    store, bad = halves(small)["stores"][0], tmp_path / "bad"
+    shutil.copytree(store.folder, bad)
+    key = store.table().query("kind == 'matching'").iloc[0].map_key
+    damaged = ResultsStore(bad).path("map", key)
+    damaged.write_bytes(damaged.read_bytes()[::-1])
+    merged = merge_results([bad, store.folder], tmp_path / "out")
+    assert len(merged.matching(key)) == len(store.matching(key))
+    assert caplog.text.count("left out") == 1
+    assert preview(small(seeds=[0]), merged.folder).waiting == {}
+    assert merged.is_merged()

@@ -1,4 +1,6 @@
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ from datasets_gen import InputError
 from evaluation.experiment.make_plan import shape_tasks
 from evaluation.experiment.tasks import Task
 from evaluation.results.store import ResultsStore
+from evaluation.running import worker
 from evaluation.running.worker import _RecentValues, run_task, stage_of
 
 
@@ -61,9 +64,69 @@ def test_what_took_workers_down_is_not_tried_for_ever(tmp_path, shape_task):
     assert run_task(str(tmp_path), shape_task, "this", 60).ok  # the note is cleared with the report
 
 
-def test_one_lost_attempt_may_have_been_bad_luck(tmp_path, shape_task):
+def test_one_lost_attempt_may_have_been_bad_luck_and_is_followed_by_one_alone(tmp_path, shape_task):
     attempted(tmp_path, shape_task, "this", 1)
-    assert run_task(str(tmp_path), shape_task, "this", 60).ok
+    report = run_task(str(tmp_path), shape_task, "this", 60)
+    assert (report.ok, report.kind) == (False, "again")
+    assert not (tmp_path / "failures").exists()
+    assert run_task(str(tmp_path), shape_task, "this", 60, alone=True).ok
+
+
+def test_a_fault_is_named(tmp_path, shape_task):
+    attempted(tmp_path, shape_task, "this", 2, "Fatal Python error: Segmentation fault\n\nThread ...")
+    report = run_task(str(tmp_path), shape_task, "this", 60, alone=True)
+    assert (report.kind, "Segmentation fault" in report.reason) == ("crash", True)
+
+
+def test_tasks_of_one_process_take_turns(tmp_path, monkeypatch, shape_task):
+    running, most = [], []
+
+    def compute(*_):
+        running.append(1)
+        most.append(len(running))
+        time.sleep(0.05)
+        running.pop()
+        raise ValueError("done")
+
+    monkeypatch.setattr(worker, "_compute", compute)
+    threads = [
+        threading.Thread(target=run_task, args=(str(tmp_path), shape_task, "run", 60)) for _ in range(4)
+    ]
+    for each in threads:
+        each.start()
+    for each in threads:
+        each.join()
+    assert most == [1, 1, 1, 1]
+
+
+@pytest.mark.parametrize("kind", [SystemExit, GeneratorExit, MemoryError, RecursionError])
+def test_whatever_a_task_raises_is_its_own_failure(tmp_path, monkeypatch, shape_task, kind):
+    def compute(*_):
+        raise kind
+
+    monkeypatch.setattr(worker, "_compute", compute)
+    report = run_task(str(tmp_path), shape_task, "run", 60)
+    assert (report.kind, report.reason.partition(":")[0]) == ("error", kind.__name__)
+
+
+def test_an_interrupt_in_a_worker_s_thread_is_the_task_s_and_one_from_the_keyboard_is_not(
+    tmp_path, monkeypatch, shape_task
+):
+    def compute(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(worker, "_compute", compute)
+    with ThreadPoolExecutor(1) as pool:
+        report = pool.submit(run_task, str(tmp_path), shape_task, "run", 60).result()
+    assert (report.kind, report.reason) == ("error", "KeyboardInterrupt")
+    with pytest.raises(KeyboardInterrupt):
+        run_task(str(tmp_path), shape_task, "run", 60)
+
+
+def test_recent_values_are_read_only():
+    found = _RecentValues(2).get("a", lambda: {"points": np.zeros((2, 3))})
+    with pytest.raises(ValueError, match="read-only"):
+        found["points"][0] = 1
 
 
 def test_a_time_out_counts_at_once(tmp_path, shape_task):

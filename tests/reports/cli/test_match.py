@@ -89,16 +89,16 @@ def test_points_that_were_not_matched_follow_their_nearest_neighbour(scan_file, 
 def test_clouds_that_cannot_be_matched_are_refused(scan_file, tmp_path):
     out = tmp_path / "m.npz"
     few, nan, words, wide = (tmp_path / f"{name}.xyz" for name in ("few", "nan", "words", "wide"))
-    directions = np.random.default_rng(0).normal(size=(20, 3))
+    directions = np.random.default_rng(0).normal(size=(5, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     np.savetxt(few, np.hstack([directions, directions]))
     np.savetxt(nan, np.full((30, 6), np.nan))
     words.write_text("a b c\n")
     np.savetxt(wide, np.ones((30, 4)))
-    fails(run("match", few, scan_file, "-o", out), "20 points")  # fewer than modes
+    fails(run("match", few, scan_file, "-o", out), "5 points are too few")
     fails(run("match", nan, scan_file, "-o", out), "NaN")
     fails(run("match", words, scan_file, "-o", out), "words.xyz")
-    fails(run("match", wide, scan_file, "-o", out), "(30, 4)")
+    fails(run("match", wide, scan_file, "-o", out), "line 1, has 4 columns")
     fails(run("match", tmp_path / "no.npz", scan_file, "-o", out), "does not exist")
     fails(run("match", scan_file, scan_file, "-o", out, "--method", "medail"), "medail", "medial")
     fails(run("match", scan_file, scan_file, "-o", out, "--set", "colour=1"), "colour")
@@ -138,3 +138,49 @@ def test_departures_reach_operator_and_matcher(scan_file, tmp_path):
         assert config["selection"] == "cost"
         assert not any(config["departures"].values())
     fails(run("match", out, scan_file, "-o", tmp_path / "again.npz"), "holds a Matching", "give a scan")
+
+
+@pytest.mark.parametrize("count", [1, 20])
+def test_stray_points_change_nothing_for_the_others(scan_file, tmp_path, count):
+    scan = Scan.load(scan_file)
+    columns = np.hstack([scan.points, scan.normals])
+    away = np.random.default_rng(count).normal(size=(count, 6))
+    away[:, :3] *= 1e4 * np.ptp(scan.points)
+    np.savetxt(tmp_path / "clean.xyz", columns)
+    np.savetxt(tmp_path / "strewn.xyz", np.concatenate([columns, away]))
+    results = {}
+    for name in ("clean", "strewn"):
+        cloud, out = tmp_path / f"{name}.xyz", tmp_path / f"{name}.npz"
+        done = run("match", cloud, cloud, "-o", out, *FAST)
+        assert done.exit_code == 0, done.output
+        results[name] = load_map(out)[0]
+    assert f" {count} point" in done.stderr
+    assert done.stderr.count("far from all others; not matched") == 2
+    for key in ("source_to_target", "confidence"):
+        assert np.array_equal(results["strewn"][key][:-count], results["clean"][key])
+    assert (results["strewn"]["confidence"][-count:] == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("a.xyz", "0 0 0\n1 2 3\n4 5\n", "line 3, has 2 columns, the first line 3"),
+        ("b.xyz", "# x y z\n0 0 0\n1 x 3\n", "line 3, is no row of numbers"),
+        ("c.xyz", "0 0 0\n1 nan 3\n", "line 2, has a number that is NaN or infinite"),
+        ("d.xyz", "0 0\n", "line 1, has 2 columns; give x y z"),
+        ("e.obj", "v 0 0 0\nv 1 0 0\nv 0 oops 0\nf 1 2 3\n", "line 3: could not convert"),
+        ("f.obj", "v 0 0 0\nv 1 0 0\nvn 0 0 1\nvn 0 0\n", "line 4: 2 numbers where three are needed"),
+    ],
+)
+def test_files_that_cannot_be_read_are_told_with_the_line(tmp_path, name, text, said):
+    file = tmp_path / name
+    file.write_text(text)
+    fails(run("match", file, file), said)
+
+
+def test_some_normals_missing_are_told(scan_file, tmp_path):
+    scan = Scan.load(scan_file)
+    columns = np.hstack([scan.points, scan.normals])
+    columns[7, 3:] = 0
+    np.savetxt(tmp_path / "some.xyz", columns)
+    fails(run("match", tmp_path / "some.xyz", scan_file), "some.xyz' has 1 normals that are zero")

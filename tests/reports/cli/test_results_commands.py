@@ -48,7 +48,15 @@ def test_compare_shows_the_leaderboard_with_spread_and_tests(results):
     at = lines.index("blob, threshold 0.3")
     best, second = lines[at + 1].split(), lines[at + 2].split()
     assert best[:2] == ["medial", "diffusion"]
-    assert best[2:7] == ["2", "15", "3.5", "0.7", "3.0"]  # maps, missing, mean, spread over seeds, median
+    wanted = [
+        "2",
+        "15",
+        "3.5",
+        "100",
+        "0.7",
+        "3.0",
+    ]  # maps, missing, mean, matched, spread over seeds, median
+    assert best[2:8] == wanted
     assert second[:2] == ["heat", "kernel"]
     tests = next(line for line in lines if line.startswith("medial diffusion  heat kernel"))
     assert tests.split()[4:] == ["4", "6.00", "100", "–"]  # pairs, difference, wins; too few for a p-value

@@ -1,6 +1,7 @@
 """Experiments from shapes to report."""
 
 import re
+from pathlib import Path
 
 from tests.reports.cli.command_line import body, fails, run
 
@@ -127,3 +128,33 @@ def test_a_dry_run_needs_no_folder_to_write_to(tmp_path, monkeypatch):
     result = run("run", "quick", "-o", tmp_path / "out", "--dry-run")
     assert result.exit_code == 0, result.output
     fails(run("run", "quick", "-o", tmp_path / "out"), "no permission")
+
+
+def test_the_name_of_an_experiment_is_no_way_out_of_the_results(here, monkeypatch):
+    import importlib
+
+    import click
+
+    chosen = []
+
+    def stop(settings, folder, quiet, **options):
+        chosen.append(folder)
+        raise click.ClickException("stopped by the test")
+
+    monkeypatch.setattr(importlib.import_module("reports.cli.run"), "_sweep", stop)
+    text = '[[dataset]]\nname = "human"\n[stability]\noperators = ["heat"]\n'
+    for name in ("../../esc", "/abs", "..", "plain"):
+        (here / "e.toml").write_text(f'name = "{name}"\n{text}')
+        fails(run("run", "e.toml"), "stopped by the test")
+    assert {folder.parent for folder in chosen} == {Path("results")}
+    assert chosen[-1] == Path("results/plain")
+    assert all(folder.name not in ("..", ".") for folder in chosen)
+
+
+def test_certificates_go_with_a_scheduler(here):
+    fails(
+        run("run", "quick", "--tls-ca", "ca.pem"),
+        "--scheduler, --tls-ca and --tls-cert go together",
+        status=2,
+    )
+    fails(run("run", "quick", "--tls-cert", "a.pem", "--scheduler", "tls://a:1"), "go together", status=2)

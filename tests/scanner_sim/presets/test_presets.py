@@ -115,7 +115,7 @@ def test_a_file_of_the_user_is_a_preset_too(tmp_path):
         ("[scanner]\nbase_line = 3\n", ["base_line", "did you mean 'baseline'"]),
         ("baseline = 3\n", ["baseline", r"\[scanner\]"]),
         ("[about]\nname = 'x'\n", [r"lacks a table \[scanner\]"]),
-        ("[scanner\n", ["no valid TOML"]),
+        ("[scanner\n", ["not valid TOML"]),
         ("[scanner]\nbaseline = 0\n", ["baseline", "not be 0"]),
     ],
 )

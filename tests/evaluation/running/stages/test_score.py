@@ -80,13 +80,43 @@ def test_without_the_mirror_map_nothing_is_said_of_mirror_images(human, pair):
     assert (row["right_limb"], row["mirror_limb"], row["flipped"]) == (1, None, None)
 
 
-def test_points_without_a_match_have_no_part_in_the_excess(human, pair):
+def test_points_without_a_match_cost_what_a_random_match_costs(human, pair):
     source, target = pair
     best = nearest(source.true_points, target.true_points)
-    height = source.true_points[:, 1]
-    row = scored(human, source, target, dense(np.where(height > 1, best, -1), np.ones(800)))
-    assert 0 <= row["excess_mean"] < 0.2
+    drawn = np.random.default_rng(0).integers(800, size=(5, 800))
+    guesses = [scored(human, source, target, dense(each, np.ones(800))) for each in drawn]
     nothing = scored(human, source, target, dense(np.full(800, -1), np.ones(800)))
-    assert nothing["oracle_mean"] == row["oracle_mean"] > 0  # of all points, whatever the map
-    assert (nothing["excess_mean"], nothing["gross"], nothing["sure_right"]) == (None, None, None)
-    assert nothing["right_limb"] == 0
+    for name in ("geodesic_mean", "excess_mean", "medial_mean", "medial_path_mean", "geodesic_median"):
+        assert nothing[name] == pytest.approx(np.mean([each[name] for each in guesses]), rel=0.1)
+    assert nothing["oracle_mean"] == guesses[0]["oracle_mean"] > 0  # of all points, whatever the map
+    assert (nothing["matched"], nothing["gross"], nothing["right_limb"]) == (0, True, 0)
+    assert (nothing["pck_auc"], nothing["distinct"], nothing["flipped"], nothing["sure_right"]) == (
+        0,
+        0,
+        None,
+        None,
+    )
+    half = np.where(source.true_points[:, 1] > 1, best, -1)
+    row = scored(human, source, target, dense(half, np.ones(800)))
+    assert row["matched"] == pytest.approx((half >= 0).mean(), abs=0.1)
+    unmatched = 1 - row["matched"]
+    assert row["geodesic_mean"] > 0.8 * unmatched * nothing["geodesic_mean"]
+    assert row["oracle_mean"] + row["excess_mean"] == pytest.approx(row["geodesic_mean"])
+
+
+@pytest.mark.parametrize("share", [0.02, 0.5, 0.9])
+def test_leaving_out_the_worst_points_of_a_bad_map_is_no_better_than_a_good_map(human, pair, share):
+    """Only the points that are right by luck are matched, as a method might that knows which these are."""
+    source, target = pair
+    best = nearest(source.true_points, target.true_points)
+    kept = np.random.default_rng(0).random(800) < share
+    sly = scored(human, source, target, dense(np.where(kept, best, -1), np.ones(800)))
+    fair = scored(human, source, target, dense(best, np.ones(800)))
+    for name in (
+        "geodesic_mean",
+        "geodesic_symmetric_mean",
+        "excess_mean",
+        "medial_mean",
+        "medial_path_mean",
+    ):
+        assert sly[name] > fair[name] + 1

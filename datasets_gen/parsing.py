@@ -1,0 +1,43 @@
+"""Texts that people write, TOML and JSON, with one kind of error whatever is wrong with them."""
+
+import json
+import tomllib
+from typing import Any
+
+from datasets_gen.records import InputError
+
+
+def parsed_toml(content: str | bytes, where: str) -> dict[str, Any]:
+    """The tables of a TOML text.
+
+    Parameters
+    ----------
+    content
+        Bytes are taken for UTF-8.
+    where
+        What the text is, for the message.
+
+    Raises
+    ------
+    InputError
+        If it is no TOML, no UTF-8, or nested so deeply that it cannot be read.
+    """
+    try:
+        return tomllib.loads(content if isinstance(content, str) else content.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{where} is not valid TOML: {_why(error)}; correct it") from error
+
+
+def parsed_json(content: str | bytes, where: str) -> Any:
+    """The value of a JSON text; as `parsed_toml`."""
+    try:
+        return json.loads(content if isinstance(content, str) else content.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{where} is not readable JSON ({_why(error)}); correct or remove it") from error
+
+
+def _why(error: Exception) -> str:
+    """One line."""
+    if isinstance(error, RecursionError):
+        return "lists or tables are nested too deeply"
+    return " ".join(str(error).split())

@@ -1,0 +1,226 @@
+"""Small sound files of every kind that the project reads, made by its own writers where it has them."""
+
+import io
+import json
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from datasets_gen import Collection, Shape
+from datasets_gen.meshes.files import write_mesh
+from medial import Diffusion, Matching
+from scanner_sim import Scan, sample
+
+TOML = """\
+name = "small"
+description = "two poses"
+seeds = [0, 1]
+timeout = 60.0
+evaluated = 100
+departures = "all"
+
+[[dataset]]
+name = "human"
+poses = ["walk", "sit"]
+options = {proportions = 3}
+
+[scan]
+threshold = 0.3
+views = "ring:4"
+points = 500
+scanner = {noise = 0.1, resolution = [64, 48]}
+rotation = 30.0
+
+[operators]
+modes = 40
+medial = {eta = 0.5, sigma_e = 5.0}
+
+[stability]
+operators = ["medial", "heat"]
+sweep = {threshold = [0.3, 0.8]}
+pairs = 100
+times = 5
+
+[matching]
+pairs = [["walk", "sit"]]
+sweep = {"source.threshold" = [0.3, 0.8], points = [200]}
+
+[[matching.regime]]
+name = "noisy"
+"scanner.noise" = 0.2
+
+[[method]]
+name = "medial"
+label = "medial diffusion"
+samples = 50
+
+[[method]]
+name = "rigid"
+options = {}
+"""
+
+PRESET = """\
+[about]
+name = "bench scanner"
+
+[scanner]
+resolution = [640, 480]
+views = 6
+peak_threshold = 0.3
+noise = 0.02
+distance = 200.0
+"""
+
+OBJ = b"""\
+mtllib a.mtl
+o body
+v 0 0 0 1 0 0
+v 1 0 0 1 0 0
+v 0 1 0 1 0 0
+v 0 0 1 0 0 1
+vt 0 0
+vt 1 0
+vn 0 0 1
+usemtl skin
+f 1/1/1 3/2/1 2/1/1
+f 1//1 2//1 4//1
+f -3 -2 -1
+f 1 4 3
+"""
+
+CLOUD_PLY = b"""\
+ply
+format ascii 1.0
+comment TextureFile a.png
+element vertex 5
+property float x
+property float y
+property double z
+property float nx
+property float ny
+property float nz
+property uchar red
+property list uchar int ids
+end_header
+0 0 0 0 0 1 1 2 3 4
+1 0 0 0 0 1 1 2 3 4
+0 1 0 0 0 1 1 2 3 4
+1 1 0 0 0 1 1 2 3 4
+1 1 1 0 0 1 1 1 7
+"""
+
+XYZ = b"# x y z nx ny nz\n" + b"".join(b"%d,%d 0.5 0 0 1\n" % (i % 3, i // 3) for i in range(9))
+
+
+@cache
+def shape() -> Shape:
+    """A ball of 42 vertices."""
+    mesh = trimesh.creation.icosphere(subdivisions=1)
+    return Shape(np.array(mesh.vertices), np.array(mesh.faces, np.int32), "ball", "ball", "rest")
+
+
+@cache
+def cloud() -> Scan:
+    """Thirty points of it."""
+    return sample(shape(), 30, 0)
+
+
+def written(save: Callable[[Path], Any], suffix: str) -> bytes:
+    """What a writer puts into a file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"file{suffix}"
+        save(path)
+        return path.read_bytes()
+
+
+def mesh_file(suffix: str, **options: Any) -> bytes:
+    """The ball in a format."""
+    if not options:
+        return written(lambda path: write_mesh(shape(), path), suffix)
+    mesh = trimesh.Trimesh(shape().vertices, shape().faces, process=False)
+    content = mesh.export(file_type=suffix[1:], **options)
+    return content if isinstance(content, bytes) else content.encode()
+
+
+def collection() -> Collection:
+    """The ball and a longer one."""
+    rest = shape()
+    tall = Shape(rest.vertices * [1, 1, 2], rest.faces, "ball/tall", "ball", "tall")
+    return Collection("ball", (rest, tall), rest, np.arange(len(rest.vertices)))
+
+
+def diffusion() -> Diffusion:
+    """An operator that need not be one."""
+    n = len(cloud())
+    functions = np.full((n, 2), n**-0.5)
+    return Diffusion(cloud().points, cloud().normals, np.ones(n), np.array([0.0, 1.0]), functions,
+                     cloud().points * 0.5, np.ones(n), operator="medial")  # fmt: skip
+
+
+def matching() -> Matching:
+    """The identity."""
+    n = len(cloud())
+    return Matching(np.arange(n), np.array([[0, 0], [5, 5]]), 0.1, np.ones(n), {"first": np.array([0])},
+                    source_points=cloud().points, target_points=cloud().points)  # fmt: skip
+
+
+def npz(**arrays: Any) -> bytes:
+    """Arrays by name."""
+    out = io.BytesIO()
+    np.savez(out, **arrays)
+    return out.getvalue()
+
+
+def npy(array: Any) -> bytes:
+    """One array."""
+    out = io.BytesIO()
+    np.save(out, array)
+    return out.getvalue()
+
+
+MANIFEST = json.dumps(
+    {
+        "format": "medialbench-collection-1",
+        "subject": "ball",
+        "units": "mm",
+        "reference": "rest",
+        "poses": [{"pose": "rest", "file": "rest.ply"}, {"pose": "tall", "file": "tall.ply"}],
+    }
+).encode()
+
+
+@cache
+def results_files() -> dict[str, bytes]:
+    """A results folder as earlier versions left it, without checksums: by name of the file within it."""
+    import pandas as pd
+
+    from evaluation.results.result_files import RECORD
+    from evaluation.results.table import COLUMNS
+
+    shared = {"dataset": "ball", "subject": "ball", "views": "6", "seed": 0, "source_threshold": 0.3}
+    shared |= {"regime": "threshold 0.3", "source_pose": "rest", "target_pose": "tall", "n_points": 30}
+    rows = [
+        {**shared, "kind": kind, "operator": operator, "method": operator, "geodesic_mean": 3.0, "eq18": 0.1,
+         "matched": 1.0, "overlap": 0.9, "source_missing": 0.2, "target_missing": 0.2, "flipped": False,
+         "score_key": f"{kind}-{operator}"}
+        for kind in ("matching", "stability")
+        for operator in ("medial", "heat")
+    ]  # fmt: skip
+    table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
+    record = dict.fromkeys(RECORD) | {
+        "key": "some",
+        "stage": "score",
+        "info": {"row": {"eq18": 0.1}, "curve": [1, 2]},
+    }
+    return {
+        "table.parquet": written(table.to_parquet, ".parquet"),
+        "failures.csv": b"key,stage,label,kind,reason\nk,map,walk to sit,error,out of luck\n",
+        "run.json": json.dumps({"format": 2, "datasets": {"ball": "k"}, "wall_seconds": 2.5}).encode(),
+        "experiment.toml": TOML.encode(),
+        "scores/some.json": json.dumps(record).encode(),
+    }

@@ -1,0 +1,247 @@
+"""The readers, each as a target: sound files to start from, how they are broken, and what is sound."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from datasets_gen import Collection
+from datasets_gen.collections.folder import write_collection
+from evaluation import Experiment
+from evaluation.methods.external import read_correspondence
+from medial import Diffusion, Matching
+from scanner_sim import Scan, ScannerConfig
+from tests.fuzzing import checks, readers, seeds
+from tests.fuzzing.arrays import mutated_npz, mutated_parquet
+from tests.fuzzing.mutations import mutated
+
+Mutate = Callable[[Random, bytes, Sequence[bytes]], bytes]
+
+
+def _nothing(*_given: Any) -> None:
+    """For targets without preparation, or whose reader checks by itself."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Target:
+    """A reader under test."""
+
+    name: str
+    file: str
+    """Name of the file in the folder of the case."""
+    seeds: Callable[[], tuple[bytes, ...]]
+    read: Callable[[Path], Any]
+    check: Callable[[Any], None] = _nothing
+    mutate: Mutate = mutated
+    tokens: tuple[bytes, ...] = ()
+    slow: bool = False
+    """Takes tens of milliseconds a file."""
+    prepare: Callable[[Path], Any] = field(default=_nothing)
+    """Puts what else the reader needs into a folder, once."""
+
+    def warm(self, folder: Path) -> None:
+        """Prepare a folder and read the sound files there: what is compiled at first use is compiled now."""
+        self.prepare(folder)
+        for data in _started(self):
+            (folder / self.file).write_bytes(data)
+            self.read(folder / self.file)
+
+    def case(self, rng: Random) -> bytes:
+        """A broken file."""
+        return self.mutate(rng, rng.choice(_started(self)), self.tokens)
+
+
+@cache
+def _started(target: Target) -> tuple[bytes, ...]:
+    return target.seeds()
+
+
+def _reader_of_results(file: str, read: Callable[[Path], Any], mutate: Mutate = mutated) -> Target:
+    return Target(
+        name=f"results-{file.replace('.', '-').replace('/', '-')}",
+        file=file,
+        seeds=lambda: (seeds.results_files()[file],),
+        read=read,
+        mutate=mutate,
+        prepare=readers.write_store,
+        slow=read is readers.read_leaderboard,
+    )
+
+
+def _record(name: str, cls: Any, seed: Callable[[], bytes], check: Callable[[Any], None]) -> Target:
+    return Target(
+        name=f"record-{name}",
+        file="file.npz",
+        seeds=lambda: (seed(),),
+        read=cls.load,
+        check=check,
+        mutate=mutated_npz,
+    )
+
+
+def _ids_file(suffix: str, content: Callable[[], bytes], mutate: Mutate = mutated) -> Target:
+    return Target(
+        name=f"map-of-others-{suffix}",
+        file=f"a--b.{suffix}",
+        seeds=lambda: (content(),),
+        read=read_correspondence,
+        check=checks.sound_ids,
+        mutate=mutate,
+    )
+
+
+PLY = (
+    b"property list uchar int vertex_indices\n",
+    b"property list float float texcoord\n",
+    b"element face 3\n",
+    b"element vertex 99999999999\n",
+    b"format binary_big_endian 1.0\n",
+    b"property double red\n",
+    b"comment TextureFile ../a.png\n",
+    b"end_header\n",
+    b"element edge 2\n",
+)
+MESHES = {
+    "ply-binary": (".ply", lambda: (seeds.mesh_file(".ply"),), PLY),
+    "ply-ascii": (".ply", lambda: (seeds.mesh_file(".ply", encoding="ascii"),), PLY),
+    "obj": (
+        ".obj",
+        lambda: (seeds.mesh_file(".obj"), seeds.OBJ),
+        (
+            b"f 1 2 -9\n",
+            b"f 1//2 3/4 5\n",
+            b"usemtl x\n",
+            b"mtllib /dev/zero\n",
+            b"v 1\n",
+            b"\\\n",
+            b"l 1 2\n",
+            b"p 1\n",
+        ),
+    ),
+    "off": (
+        ".off",
+        lambda: (seeds.mesh_file(".off"), b"COFF\n" + seeds.mesh_file(".off")[3:]),
+        (b"COFF\n", b"NOFF\n", b"OFF BINARY\n", b"# no\n", b"4 0 1 2 3\n"),
+    ),
+}
+CLOUDS = {
+    "ply": (".ply", lambda: (seeds.CLOUD_PLY, seeds.mesh_file(".ply")), PLY, mutated),
+    "ply-scan": (".ply", lambda: (seeds.written(seeds.cloud().save, ".ply"),), PLY, mutated),
+    "obj": (
+        ".obj",
+        lambda: (seeds.OBJ, seeds.OBJ[: seeds.OBJ.index(b"usemtl")]),
+        (b"vn 1 0\n", b"vn nan 0 0\n"),
+        mutated,
+    ),
+    "off": (".off", lambda: (seeds.mesh_file(".off"), b"OFF\n2 0 0\n0 0 1\n1 1 1\n"), (), mutated),
+    "xyz": (".xyz", lambda: (seeds.XYZ,), (b"#", b"\xef\xbb\xbf", b";", b"1e999", b"\0"), mutated),
+    "npz": (
+        ".npz",
+        lambda: (seeds.written(seeds.cloud().save, ".npz"), seeds.written(seeds.shape().save, ".npz")),
+        (),
+        mutated_npz,
+    ),
+}
+
+TARGETS = {
+    target.name: target
+    for target in (
+        *(
+            Target(
+                name=f"mesh-{name}",
+                file=f"file{suffix}",
+                seeds=start,
+                read=readers.read_mesh,
+                tokens=tokens,
+                check=checks.sound_shape,
+            )
+            for name, (suffix, start, tokens) in MESHES.items()
+        ),
+        *(
+            Target(
+                name=f"cloud-{name}",
+                file=f"file{suffix}",
+                seeds=start,
+                read=readers.read_points,
+                prepare=readers.compile_normals,
+                tokens=tokens,
+                check=checks.sound_cloud,
+                mutate=mutate,
+            )
+            for name, (suffix, start, tokens, mutate) in CLOUDS.items()
+        ),
+        _record("scan", Scan, lambda: seeds.written(seeds.cloud().save, ".npz"), checks.sound_scan),
+        _record(
+            "collection",
+            Collection,
+            lambda: seeds.written(seeds.collection().save, ".npz"),
+            checks.sound_collection,
+        ),
+        _record(
+            "diffusion",
+            Diffusion,
+            lambda: seeds.written(seeds.diffusion().save, ".npz"),
+            checks.sound_diffusion,
+        ),
+        _record("map", Matching, lambda: seeds.written(seeds.matching().save, ".npz"), checks.sound_matching),
+        Target(
+            name="manifest",
+            file="manifest.json",
+            seeds=lambda: (seeds.MANIFEST,),
+            read=readers.read_folder,
+            check=checks.sound_collection,
+            prepare=lambda folder: write_collection(seeds.collection(), folder),
+            tokens=(b"../", b"/etc/passwd", b"\\u0000", b"\\ud800", b"[" * 3000),
+        ),
+        Target(
+            name="experiment",
+            file="file.toml",
+            seeds=lambda: (seeds.TOML.encode(),),
+            read=Experiment.load,
+            check=lambda found: Experiment.from_table(found.as_dict()),
+            tokens=(
+                b"poses = 10",
+                b"\n[[method]]\nname='heat'\n",
+                b"[" * 3000,
+                b"a = " + b"[" * 3000,
+                b"a = 1979-05-27",
+                b"views = -1",
+            ),
+        ),
+        Target(
+            name="scanner-preset",
+            file="file.toml",
+            seeds=lambda: (seeds.PRESET.encode(),),
+            read=ScannerConfig.preset,
+            tokens=(b"noise = " + b"[" * 3000, b"cameras = 2\n", b"views = [[0,0,1]]\n", b"preset = 'x'\n"),
+        ),
+        Target(
+            name="set-options",
+            file="options.txt",
+            seeds=lambda: (
+                b"noise=.5\nviews=ring:4",
+                b"as=method\nname=medial\nsettings={samples=50, times=7}",
+                b"as=method\nname=cpd\nname=rigid",
+                b"resolution=[64, 48]\nmaterial=skin",
+            ),
+            read=readers.read_options,
+            tokens=(b"=[[", b"={a=1}", b"1e999", b"=nan", b"\0", b"[" * 3000),
+        ),
+        _ids_file(
+            "npz", lambda: seeds.npz(source_to_target=np.arange(5), confidence=np.ones(5)), mutated_npz
+        ),
+        _ids_file("npy", lambda: seeds.npy(np.arange(5))),
+        _ids_file("txt", lambda: b"0 1.0\n1 .5\n-1 0\n"),
+        _ids_file("csv", lambda: b"0,1.0\n1,.5\n-1,0\n"),
+        _reader_of_results("table.parquet", readers.read_leaderboard, mutated_parquet),
+        _reader_of_results("run.json", readers.read_notes),
+        _reader_of_results("failures.csv", readers.read_notes),
+        _reader_of_results("experiment.toml", readers.read_leaderboard),
+        _reader_of_results("scores/some.json", readers.read_score),
+    )
+}
+"""By name."""
