@@ -7,15 +7,15 @@ from typing import Any
 
 import click
 
-from datasets_gen.parsing import parsed_json, parsed_toml
-from datasets_gen.records import InputError
-
 LEADING, TRAILING = re.compile(r"(?<![\w.])\.(?=\d)"), re.compile(r"(?<=\d)\.(?![\w.])")
 """Points of numbers as people write them, ``.5`` and ``1.``; TOML wants digits on both sides."""
 
 
 def value_of(text: str) -> Any:
     """What a text stands for: a value of TOML, with numbers such as ``.5`` and ``1.``, or JSON, or itself."""
+    from datasets_gen.parsing import parsed_json, parsed_toml
+    from datasets_gen.records import InputError
+
     text = text.strip()
     for attempt in (text, TRAILING.sub(".0", LEADING.sub("0.", text))):
         with suppress(InputError):
