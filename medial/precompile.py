@@ -13,12 +13,22 @@ from medial.operator import OPERATORS
 
 
 def warm_up() -> None:
-    """Build every operator of a small capsule and match it to itself in both ways."""
+    """Build every operator of a small capsule and match it to itself in both ways.
+
+    Kernels are compiled for arrays that may be written and for those that may not: what a sweep hands to a
+    method is of the second kind.
+    """
     points, normals = _capsule(1500)
-    for operator in OPERATORS:
-        diffusion = Diffusion.from_points(points, normals, operator=operator, modes=40)
-        for config in (MatchConfig(), MatchConfig.paper()):
-            match(diffusion, diffusion, config)
+    for writable in (True, False):
+        points.setflags(write=writable)
+        normals.setflags(write=writable)
+        for operator in OPERATORS:
+            diffusion = Diffusion.from_points(points, normals, operator=operator, modes=40)
+            for array in vars(diffusion).values():
+                if isinstance(array, np.ndarray):
+                    array.setflags(write=writable)
+            for config in (MatchConfig(), MatchConfig.paper()):
+                match(diffusion, diffusion, config)
 
 
 def _capsule(count: int) -> tuple[np.ndarray, np.ndarray]:
