@@ -63,8 +63,7 @@ class Attempt:
             )
         if self._count >= ATTEMPTS:
             self.clear()
-            fault = dump.splitlines()[0] if dump.startswith("Fatal") else "killed, out of memory or an exit"
-            return "crash", f"took its worker down {self._count} times ({fault})", dump
+            return "crash", _blame(self._count, dump), dump
         return None if self._alone else (AGAIN, "its worker ended; to be tried once more, alone", dump)
 
     def __enter__(self) -> None:
@@ -83,3 +82,19 @@ class Attempt:
         """Remove the note and the dump."""
         self._note.unlink(missing_ok=True)
         self._dump.unlink(missing_ok=True)
+
+
+def given_up(folder: Path, task: Task) -> str | None:
+    """The reason for a task that Dask gave up on while it ran alone; None if no attempt at it is noted."""
+    note, dump = (folder / "running" / f"{task.key}.{suffix}" for suffix in ("json", "txt"))
+    if not note.is_file():
+        return None
+    reason = _blame(ATTEMPTS, dump.read_text(encoding="utf-8") if dump.is_file() else "")
+    note.unlink(missing_ok=True)
+    dump.unlink(missing_ok=True)
+    return reason
+
+
+def _blame(times: int, dump: str) -> str:
+    fault = dump.splitlines()[0] if dump.startswith("Fatal") else "killed, out of memory or an exit"
+    return f"took its worker down {times} times ({fault})"

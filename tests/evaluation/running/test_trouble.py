@@ -12,6 +12,7 @@ import pytest
 
 from evaluation import run
 from evaluation.running import execute
+from evaluation.running.attempts import given_up
 from evaluation.running.progress import Silent
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -153,6 +154,16 @@ def test_what_dask_gives_up_on_is_tried_alone_before_it_is_blamed():
         ("bad", "crash", "RuntimeError: killed worker")
     ]
     assert calls == [("good", False), ("bad", False), ("good", True), ("bad", True)]
+
+
+def test_what_was_tried_alone_and_given_up_is_blamed_with_its_fault(tmp_path):
+    (tmp_path / "running").mkdir()
+    (tmp_path / "running" / "bad.json").write_text('{"run": "r", "attempt": 1, "pid": 1}')
+    (tmp_path / "running" / "bad.txt").write_text("Fatal Python error: Segmentation fault\nmore")
+    reason = given_up(tmp_path, task("bad"))
+    assert reason == "took its worker down 2 times (Fatal Python error: Segmentation fault)"
+    assert given_up(tmp_path, task("bad")) is None  # told once
+    assert list((tmp_path / "running").iterdir()) == []
 
 
 def test_a_scheduler_that_is_gone_ends_the_run_with_one_line():
