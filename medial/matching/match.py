@@ -242,6 +242,7 @@ def _of_fits(
     rivals, weights = selection.rivals(finalists), directions[0].weights
     best = finalists[0]
     (_, probability), *others = groups(weights, rivals, placements)
+    doubt = 1 - probability - sum(share for _, share in others)
     at, samples = placements[best.number], pair.source.descriptors.samples
     forward = [c for c in tried if not c.backward]
 
@@ -270,7 +271,7 @@ def _of_fits(
         confidence=believed(dense, best.number),
         restarts=restarts_table(tried, np.array([start.score for start in starts]), chosen),
         mirror_check=mirror_verdict(
-            at, [(placements[o.number], share) for o, share in others], forward, pair.target.cloud
+            at, [(placements[o.number], share) for o, share in others], doubt, forward, pair.target.cloud
         ),
         seed=pair.seed,
         config=config,
@@ -284,11 +285,11 @@ def restarts_table(
 ) -> dict[str, NDArray[np.generic]]:
     """The table `Matching.restarts`: one entry per candidate."""
     return {
-        "first": np.array([c.landmarks[0, 0] for c in tried]),
-        "partner": np.array([c.landmarks[0, 1] for c in tried]),
-        "paths": np.array([c.by_paths for c in tried]),
-        "backward": np.array([c.backward for c in tried]),
-        "cost": np.array([c.cost for c in tried]),
+        "first": np.array([c.landmarks[0, 0] for c in tried], dtype=np.int64),
+        "partner": np.array([c.landmarks[0, 1] for c in tried], dtype=np.int64),
+        "paths": np.array([c.by_paths for c in tried], dtype=bool),
+        "backward": np.array([c.backward for c in tried], dtype=bool),
+        "cost": np.array([c.cost for c in tried], dtype=np.float64),
         "score": scores,
         "chosen": np.arange(len(tried)) == chosen,
     }

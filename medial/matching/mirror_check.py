@@ -10,13 +10,17 @@ from medial.matching.registration.placement import Placement
 from medial.matching.result import UNCHECKED
 
 LIKELY = 0.25
-"""Probability of all other maps together from which it is open which one is right."""
+"""Probability of all other maps and of none together from which it is open which one is right."""
 RIVAL = 0.1
 """Mean distance, in sqrt(area), from which two maps are different ones."""
 
 
 def mirror_verdict(
-    best: Placement, others: list[tuple[Placement, float]], forward: list[Candidate], target: CloudInUnits
+    best: Placement,
+    others: list[tuple[Placement, float]],
+    doubt: float,
+    forward: list[Candidate],
+    target: CloudInUnits,
 ) -> str:
     """Whether the selected map is the one of the lowest cost of Eq. 17.
 
@@ -26,6 +30,8 @@ def mirror_verdict(
         Of the selected fit.
     others
         Other maps and their probabilities.
+    doubt
+        Probability that none of the maps is right.
     forward
         Candidates that map the source onto the target. Those by path length have no cost, and no say.
     target
@@ -33,9 +39,9 @@ def mirror_verdict(
     Returns
     -------
     {"agrees", "overruled", "undecided", "unchecked"}
-        It is; it is another one; other maps are about as likely; or Eq. 17 prefers none.
+        It is; it is another one; other maps, or none at all, are about as likely; or Eq. 17 prefers none.
     """
-    if sum(probability for other, probability in others if best.gap(other) > RIVAL) >= LIKELY:
+    if doubt + sum(probability for other, probability in others if best.gap(other) > RIVAL) >= LIKELY:
         return "undecided"
     by_cost = min((c for c in forward if not c.by_paths), key=lambda c: c.cost, default=None)
     if by_cost is None:

@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 from reports.cli.map_options import check_map_outputs, draw_map, write_map
 
+LIKELY = 0.5
+"""Probability below which a map without alternatives is said to be doubtful."""
+
 if TYPE_CHECKING:
     from medial import Matching
     from reports.cli.cloud_files import ThinnedCloud
@@ -53,14 +56,26 @@ def write_alternatives(
     return written
 
 
-def said_of_alternatives(found: "Matching", written: list[Path]) -> list[str]:
-    """One line for each alternative; nothing if there is none."""
-    if not found.alternatives:
+def said_of_alternatives(found: "Matching", written: list[Path], drawn: bool = False) -> list[str]:
+    """What is said of a map that may be wrong as a whole, one line each; nothing if it is likely to be right.
+
+    Parameters
+    ----------
+    found
+    written
+        Maps of its alternatives; empty if they were not asked for.
+    drawn
+        Whether there is a picture of each beside it.
+    """
+    if not found.alternatives and not found.probability < LIKELY:
         return []
-    lines = [
-        f"The clouds leave open which map is right: this one has a probability of {found.probability:.2f}"
-    ]
+    lines = [f"It is open whether this map is the right one: its probability is {found.probability:.2f}"]
     for number, each in enumerate(found.alternatives):
-        place = f"written to {written[number]}" if written else "--alternatives writes it"
-        lines.append(f"  another one {each.probability:.2f}; {place}")
+        place = f"; written to {written[number]}" if written else ""
+        lines.append(f"  another one {each.probability:.2f}{place}{', with its picture' if drawn else ''}")
+    rest = 1 - found.probability - sum(each.probability for each in found.alternatives)
+    if rest >= 0.005:
+        lines.append(f"  still others, or none: these may be different shapes, {rest:.2f}")
+    if found.alternatives and not written:
+        lines.append("  --alternatives writes the other ones")
     return lines

@@ -46,7 +46,8 @@ STEPS = (
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
-    help="An option of the method, as config=paper (the settings of Sec. 4); may be repeated.",
+    help="An option of the method, as config=paper (the settings of Sec. 4) or, of the matcher, "
+    "'settings={finalists=4}'; may be repeated.",
 )
 @click.option(
     "--alternatives",
@@ -112,5 +113,5 @@ def match(
             written = write_alternatives(out, picture, (here, there), (source, target), found, about)
     check = "; mirror check undecided" if found.mirror_check == "undecided" else ""
     say(quiet, f"{summary(whole, len(found))}{check}; written to {out}")
-    for line in said_of_alternatives(found, written):
+    for line in said_of_alternatives(found, written, picture is not None and bool(written)):
         say(quiet, line)

@@ -40,6 +40,8 @@ SOFT = 0.1
 """Cosines about the least one within which it is open whether a point is seen."""
 CELL = 2.0
 """Width of a cell of the depth maps, in typical distances between neighbours."""
+FINEST = 1000
+"""Cells of a depth map are no smaller than the cloud's extent / this."""
 BEHIND = 4.0
 """What lies deeper than the nearest point of its cell by more of these distances is hidden."""
 
@@ -120,7 +122,9 @@ class Visibility:
         points, normals : (n, 3)
             Normals are unit and outward.
         """
-        spacing = float(np.median(cKDTree(points).query(points, k=2)[0][:, 1]))
+        spacing = typical_spacing(points)
+        if spacing == 0:
+            return cls((), 1.0)
         maps = [DepthMap.of(points, toward, spacing) for toward in even_directions(DIRECTIONS)]
         worth = _seen(points, normals, maps)
         maps = [maps[k] for k in _explaining(worth)]
@@ -148,6 +152,19 @@ class Visibility:
             facing = np.clip((normals @ each.toward - self.least) / (2 * SOFT) + 0.5, 0, 1)
             expected = np.maximum(expected, facing * each.free(points))
         return expected
+
+
+def typical_spacing(points: Float) -> float:
+    """Median distance between nearest neighbours, at least extent / `FINEST`; 0 if all points are one.
+
+    Repeated points do not count: where most of a cloud is doubled, the median of all would be 0.
+    """
+    nearest = cKDTree(points).query(points, k=2)[0][:, 1]
+    apart = nearest[nearest > 0]
+    if len(apart) == 0:
+        apart = cKDTree(distinct := np.unique(points, axis=0)).query(distinct, k=2)[0][:, 1]
+    extent = float(np.ptp(points, axis=0).max())
+    return max(float(np.median(apart)), extent / FINEST) if extent > 0 else 0.0
 
 
 def _seen(points: Float, normals: Float, maps: list[DepthMap]) -> Float:

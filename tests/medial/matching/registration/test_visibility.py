@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from medial.matching.registration.visibility import DepthMap, Visibility, even_directions
+from medial.matching.registration.visibility import (
+    FINEST,
+    DepthMap,
+    Visibility,
+    even_directions,
+    typical_spacing,
+)
 
 
 def sphere(n=3000, centre=(0.0, 0.0, 0.0), radius=1.0):
@@ -71,3 +77,19 @@ def test_visibility_turns_and_scales_with_the_cloud():
         3 * turn.apply(probes), turn.apply(probes)
     )
     assert np.abs(before - after).mean() < 0.15
+
+
+def test_repeated_points_do_not_count_for_the_spacing():
+    random = np.random.default_rng(0)
+    points = random.normal(size=(200, 3))
+    once = typical_spacing(points)
+    assert typical_spacing(np.concatenate([points, points[:150]])) == pytest.approx(once, rel=0.5)
+    assert typical_spacing(np.repeat(points, 3, axis=0)) == pytest.approx(once)
+    assert typical_spacing(np.ones((5, 3))) == 0
+
+
+def test_cells_are_no_smaller_than_a_share_of_the_extent():
+    """Pairs of points that nearly coincide: a map with cells of their distance would fill the memory."""
+    points = np.repeat(np.random.default_rng(0).normal(size=(100, 3)), 2, axis=0)
+    points[::2] += 1e-9
+    assert typical_spacing(points) == pytest.approx(np.ptp(points, axis=0).max() / FINEST)
