@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from datasets_gen.compiled import thread_count
 from datasets_gen.points.normals import pca, spanning_tree
 from datasets_gen.points.outside import outward_field, winding_numbers
-from datasets_gen.points.strays import stray_points
+from datasets_gen.points.strays import nearest_kept, stray_points
 
 log = logging.getLogger(__name__)
 
@@ -79,13 +79,6 @@ def estimate_normals(points: Float) -> Float:
     if doubt > IN_DOUBT:
         log.warning("the side of %.0f %% of the estimated normals is in doubt", 100 * doubt)
     return oriented
-
-
-def nearest_kept(points: Float, stray: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """For each point the nearest one that is not stray, (n,), counted among those: itself, unless it is."""
-    _, nearest = cKDTree(points[~stray]).query(points, workers=thread_count())
-    nearest[~stray] = np.arange(np.count_nonzero(~stray))
-    return np.asarray(nearest, dtype=np.int64)
 
 
 def disagreement(points: Float, normals: Float) -> float:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.points.strays import stray_points, words
-from medial.outward import check_normals, estimate_normals, nearest_kept
+from datasets_gen.points.strays import nearest_kept, stray_points, words
+from medial.outward import check_normals, estimate_normals
 from medial.similarity.leaves import kd_order
 from medial.validation import OrientedCloud, check_points, unit_normals
 

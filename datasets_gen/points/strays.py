@@ -51,6 +51,13 @@ def stray_points(points: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.zeros(n, dtype=bool)
 
 
+def nearest_kept(points: NDArray[np.float64], stray: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """For each point the nearest one that is not stray, (n,), counted among those: itself, unless it is."""
+    _, nearest = cKDTree(points[~stray]).query(points, workers=thread_count())
+    nearest[~stray] = np.arange(np.count_nonzero(~stray))
+    return np.asarray(nearest, dtype=np.int64)
+
+
 def _groups(points: NDArray[np.float64], far: float) -> NDArray[np.int32]:
     """Connected components of the graph of nearest neighbours that are less than `far` apart, as labels."""
     n = len(points)

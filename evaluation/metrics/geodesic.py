@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import dijkstra
 from datasets_gen.compiled import compiled
 from datasets_gen.points.farthest import farthest_in_metric
 from datasets_gen.shape import Shape
-from evaluation.metrics.nearest_place import arrivals, departures, in_sight, onward
+from evaluation.metrics.nearest_place import in_sight, onward, straight_lines
 from evaluation.metrics.unfolding import REACHED, Floats, Ints, enter, face_adjacency, shortcuts
 
 LANDMARKS = 16
@@ -107,7 +107,11 @@ class SurfaceDistance:
         here = np.asarray(face_ids, dtype=np.int64), np.asarray(barycentrics, dtype=np.float64)
         there = np.asarray(other_face_ids, dtype=np.int64), np.asarray(other_barycentrics, dtype=np.float64)
         mesh = (self._vertices, self._faces, self._neighbour, self._opposite)
-        least = np.asarray(departures(*mesh, *here, onward(self.graph, arrivals(*mesh, *there))))
+        _, arrival, length = straight_lines(*mesh, *there)
+        ways = np.full(len(self._vertices), np.inf)
+        np.minimum.at(ways, arrival, length)
+        start, departure, length = straight_lines(*mesh, *here)
+        least = np.minimum.reduceat(length + onward(self.graph, ways)[departure], start[:-1])
         i, j = in_sight(self._neighbour, here[0], there[0])
         p, q = (
             np.einsum("nc,ncd->nd", bary[k], self._vertices[self._faces[face[k]]])

@@ -14,20 +14,37 @@ from evaluation.metrics.unfolding import ENTRY_DEPTH, REACHED, Floats, Ints, ent
 
 
 @compiled()
-def arrivals(
+def straight_lines(
     vertices: Floats, faces: Ints, neighbour: Ints, opposite: Ints, face_ids: Ints, barycentrics: Floats
-) -> Floats:
-    """Length of the shortest straight line from each vertex to a point of a set, (v,); infinite: none."""
-    out = np.full(len(vertices), np.inf)
-    ids, lengths = np.empty(REACHED, np.int64), np.empty(REACHED)
+) -> tuple[Ints, Ints, Floats]:
+    """Straight lines from points to the vertices that they see.
+
+    Returns
+    -------
+    start : (n + 1,) int64
+        Where each point's lines begin among all; every point has some.
+    vertex : (lines,) int64
+    length : (lines,) float64
+    """
+    n = len(face_ids)
+    start, ids, lengths = np.zeros(n + 1, np.int64), np.empty(n * REACHED, np.int64), np.empty(n * REACHED)
     nowhere = np.zeros(3)
-    for i in range(len(face_ids)):
+    for i in range(n):
+        k = start[i]
         used, _ = enter(
-            vertices, faces, neighbour, opposite, face_ids[i], barycentrics[i], -1, nowhere, ids, lengths
+            vertices,
+            faces,
+            neighbour,
+            opposite,
+            face_ids[i],
+            barycentrics[i],
+            -1,
+            nowhere,
+            ids[k:],
+            lengths[k:],
         )
-        for k in range(used):
-            out[ids[k]] = min(out[ids[k]], lengths[k])
-    return out
+        start[i + 1] = k + used
+    return start, ids[: start[n]].copy(), lengths[: start[n]].copy()
 
 
 def onward(graph: csr_array, least: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -38,7 +55,7 @@ def onward(graph: csr_array, least: NDArray[np.float64]) -> NDArray[np.float64]:
     graph : (v, v)
         Symmetric.
     least : (v,)
-        Of `arrivals`.
+        Length of the shortest straight line from each vertex to a point of the set; infinite: none.
     """
     v = len(least)
     reached = np.flatnonzero(np.isfinite(least))
@@ -51,29 +68,6 @@ def onward(graph: csr_array, least: NDArray[np.float64]) -> NDArray[np.float64]:
         shape=(v + 1, v + 1),
     )
     return np.asarray(dijkstra(joined, indices=v)[:v])
-
-
-@compiled()
-def departures(
-    vertices: Floats,
-    faces: Ints,
-    neighbour: Ints,
-    opposite: Ints,
-    face_ids: Ints,
-    barycentrics: Floats,
-    ways: Floats,
-) -> Floats:
-    """Length of the shortest way from each point to a vertex that it sees and on, as `onward`, (n,)."""
-    out = np.full(len(face_ids), np.inf)
-    ids, lengths = np.empty(REACHED, np.int64), np.empty(REACHED)
-    nowhere = np.zeros(3)
-    for i in range(len(face_ids)):
-        used, _ = enter(
-            vertices, faces, neighbour, opposite, face_ids[i], barycentrics[i], -1, nowhere, ids, lengths
-        )
-        for k in range(used):
-            out[i] = min(out[i], lengths[k] + ways[ids[k]])
-    return out
 
 
 def in_sight(

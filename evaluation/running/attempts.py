@@ -53,7 +53,7 @@ class Attempt:
         if note.get("run") != self._run:
             return None
         self._count = int(note["attempt"])
-        dump = self._dump.read_text(encoding="utf-8") if self._dump.is_file() else ""
+        dump = self._dumped()
         if dump.startswith("Timeout"):
             self.clear()
             return (
@@ -65,6 +65,17 @@ class Attempt:
             self.clear()
             return "crash", _blame(self._count, dump), dump
         return None if self._alone else (AGAIN, "its worker ended; to be tried once more, alone", dump)
+
+    def given_up(self) -> str | None:
+        """Why Dask gave up on the task while it ran alone; None if no attempt at it is noted."""
+        if not self._note.is_file():
+            return None
+        reason = _blame(ATTEMPTS, self._dumped())
+        self.clear()
+        return reason
+
+    def _dumped(self) -> str:
+        return self._dump.read_text(encoding="utf-8") if self._dump.is_file() else ""
 
     def __enter__(self) -> None:
         write_json(self._note, {"run": self._run, "attempt": self._count + 1, "pid": os.getpid()})
@@ -82,17 +93,6 @@ class Attempt:
         """Remove the note and the dump."""
         self._note.unlink(missing_ok=True)
         self._dump.unlink(missing_ok=True)
-
-
-def given_up(folder: Path, task: Task) -> str | None:
-    """The reason for a task that Dask gave up on while it ran alone; None if no attempt at it is noted."""
-    note, dump = (folder / "running" / f"{task.key}.{suffix}" for suffix in ("json", "txt"))
-    if not note.is_file():
-        return None
-    reason = _blame(ATTEMPTS, dump.read_text(encoding="utf-8") if dump.is_file() else "")
-    note.unlink(missing_ok=True)
-    dump.unlink(missing_ok=True)
-    return reason
 
 
 def _blame(times: int, dump: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from datasets_gen.records import InputError
 from evaluation.experiment.tasks import Task
 from evaluation.results.outcome import Outcome, one_line
-from evaluation.running.attempts import AGAIN, given_up
+from evaluation.running.attempts import AGAIN, Attempt
 from evaluation.running.cluster import Cluster
 from evaluation.running.progress import ProgressCallbacks
 from evaluation.running.task_queue import TaskQueue
@@ -84,7 +84,7 @@ def execute(
     while flying:
         future = _next(done, cluster)
         task, alone = flying.pop(future.key)
-        outcome = _outcome(folder, task, future, alone)
+        outcome = _outcome(Attempt(folder, task, run, limit, alone), task, future, alone)
         future.release()  # or Dask runs it again if the worker that holds the outcome ends
         if outcome.kind == AGAIN:
             suspects.append(task)
@@ -124,7 +124,7 @@ def _replace_workers(cluster: Cluster) -> None:
     local.scale(cluster.workers)
 
 
-def _outcome(folder: Path, task: Task, future: Any, alone: bool) -> Outcome:
+def _outcome(attempt: Attempt, task: Task, future: Any, alone: bool) -> Outcome:
     """What a worker reported, or what Dask says of a task whose worker never answered.
 
     Dask gives up on a task that was waiting at several workers when others took them down: it is innocent
@@ -137,7 +137,7 @@ def _outcome(folder: Path, task: Task, future: Any, alone: bool) -> Outcome:
             f"the scheduler is gone ({one_line(error)}); results are stored, the same command goes on"
         ) from error
     except Exception as error:
-        reason = (given_up(folder, task) if alone else None) or one_line(error)
+        reason = (attempt.given_up() if alone else None) or one_line(error)
         return Outcome(task, False, reason, "crash" if alone else AGAIN)
     return found if isinstance(found, Outcome) else Outcome(task, False, f"no outcome but {found!r}", "crash")
 

@@ -6,6 +6,7 @@ Read `match` first: it is the pipeline, top to bottom. Then
 * `prepared`: both clouds in common units (`common_units`), with samples and tables,
 * `landmarks`: Eqs. 16 and 17, landmarks by path length, rigid motions; `candidate_batches` says which of them
   are tried in which direction,
+* `fit_search`: from candidates to settled fits,
 * `registration`: deform one cloud onto the other, search among the fits, select one,
 * `confidence`, `mirror_check`: what is said of the map; `zoomout`: spectral refinement.
 

@@ -83,9 +83,6 @@ class MatchConfig(CheckedSettings):
         for name, low in _LEAST.items():
             check_count(getattr(self, name), f"match setting {name}", low)
         object.__setattr__(self, "evidence", tuple(self.evidence))
-        for kind in self.evidence:
-            if kind not in KINDS:
-                raise InputError(f"match setting evidence holds {kind!r}; choose from {', '.join(KINDS)}")
         if not 0 < self.candidates <= 1:
             raise InputError(f"match setting candidates must lie in (0, 1], got {self.candidates!r}")
 

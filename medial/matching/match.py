@@ -28,6 +28,7 @@ from medial.diffusion import Diffusion
 from medial.matching.candidate_batches import candidates, first_batch, first_landmarks_of, second_batch
 from medial.matching.confidence import confidence_of_fit, confidence_of_residual
 from medial.matching.config import MatchConfig
+from medial.matching.fit_search import SearchedFits, search_from
 from medial.matching.landmarks.candidates import (
     Candidate,
     diffusion_candidate,
@@ -39,31 +40,17 @@ from medial.matching.landmarks.extrapolation import extrapolate_landmarks
 from medial.matching.mirror_check import mirror_verdict
 from medial.matching.nearest import single_blas_thread
 from medial.matching.prepared import PreparedPair, prepare_pair
-from medial.matching.registration.direction import DirectedFit, Direction, pair_directions
+from medial.matching.registration.direction import Direction, pair_directions
 from medial.matching.registration.placement import place
 from medial.matching.registration.refinement import DenseFit
-from medial.matching.registration.search import (
-    follow,
-    forward_first,
-    half_turned,
-    moving,
-    search,
-    settle,
-    surely_seen,
-)
+from medial.matching.registration.search import forward_first
 from medial.matching.registration.selection import Finalist, FineSelection, groups
 from medial.matching.result import UNCHECKED, Alternative, Matching
 from medial.matching.without_strays import WithoutStrays, of_all_points
 from medial.matching.zoomout import spectral_refinement
 
-ENOUGH = 1.35
-"""Share of the source that is found plus share of the target, in [0, 2], from which no further landmark sets
-are tried and the search does not go on once more."""
 WORTH_SAYING = 0.05
 """Probability from which another map is given as an alternative."""
-BARELY = 1.1
-"""The same, up to which the search does not go on either: where half of each surface has no counterpart, what
-scores better after more of it is wrong as often as right."""
 
 
 def match(
@@ -199,44 +186,17 @@ def match_by_fit(
     tried
         Candidates of any direction.
     further
-        Makes more candidates, for when none of the first makes most of both surfaces meet. Then rigid motions
-        are tried as well, and the search goes on once more if that helps too little.
+        As for `search_from`.
     """
-    followed = follow(directions, tried)
-    settled = settle(directions, followed)
-    if further is not None and surely_seen(settled) < ENOUGH:
-        more = further()
-        more_followed = follow(directions, more)
-        settled += settle(directions, more_followed)
-        tried, followed = tried + more, followed + more_followed
-        if pair.config.rigid_starts or not settled:
-            settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
-    fits = moving(search(directions, moving(settled)))
-    if further is not None and BARELY < surely_seen(fits) < ENOUGH:
-        fits = moving(search(directions, fits))
-    if further is not None and surely_seen(fits) < ENOUGH:
-        fits = moving(fits + half_turned(directions, fits))
-    return _of_fits(pair, directions, forward_first(tried), forward_first(followed), fits)
+    return _of_fits(pair, directions, search_from(directions, tried, further))
 
 
-def _of_fits(
-    pair: PreparedPair,
-    directions: list[Direction],
-    tried: list[Candidate],
-    followed: list[DirectedFit],
-    fits: list[DirectedFit],
-) -> Matching:
-    """Select among the fits, refine the best one, and judge the map.
-
-    Parameters
-    ----------
-    tried, followed
-        Candidates and their fits before they settled, the forward ones first.
-    fits
-        What the search ended with.
-    """
-    config = pair.config
-    starts, placements = run_tasks(place, [(f,) for f in followed]), run_tasks(place, [(f,) for f in fits])
+def _of_fits(pair: PreparedPair, directions: list[Direction], found: SearchedFits) -> Matching:
+    """Select among the fits, refine the best one, and judge the map."""
+    config, fits = pair.config, found.fits
+    tried = forward_first(found.tried)
+    starts = run_tasks(place, [(f,) for f in forward_first(found.followed)])
+    placements = run_tasks(place, [(f,) for f in fits])
     selection = FineSelection(fits, placements, config)
     finalists = selection.finalists()
     rivals, weights = selection.rivals(finalists), directions[0].weights

@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.points.strays import stray_points
+from datasets_gen.points.strays import nearest_kept, stray_points
 from medial.diffusion import Diffusion
 from medial.matching.result import Matching
-from medial.outward import nearest_kept
 
 PER_POINT = ("points", "normals", "areas", "eigenfunctions", "centers", "radii")
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from datasets_gen.points.fibonacci import fibonacci_sphere
 from datasets_gen.records import InputError
 
 Views = int | str | tuple[tuple[float, float, float], ...] | tuple[tuple[tuple[float, ...], ...], ...]
@@ -193,11 +194,7 @@ def _turntable(count: int, elevation: float) -> NDArray[np.float64]:
 @functools.lru_cache(maxsize=16)
 def _sphere_points(count: int) -> tuple[tuple[float, float, float], ...]:
     """Spherical Fibonacci points relaxed by mutual repulsion, the first turned to the front (+z)."""
-    golden = np.pi * (3 - np.sqrt(5))
-    index = np.arange(count)
-    y = 1 - (2 * index + 1) / count
-    radius = np.sqrt(1 - y**2)
-    points = np.stack([radius * np.cos(golden * index), y, radius * np.sin(golden * index)], axis=1)
+    points = fibonacci_sphere(count)
     if 1 < count <= MOST_RELAXED:
         points = minimize(_repulsion, points.ravel(), jac=True, method="L-BFGS-B").x.reshape(-1, 3)
         points /= np.linalg.norm(points, axis=1, keepdims=True)

@@ -26,13 +26,12 @@ from datasets_gen.values import check_count, check_seed
 from medial import Diffusion
 from medial.matching.candidate_batches import first_batch, first_landmarks_of, second_batch
 from medial.matching.config import MatchConfig
-from medial.matching.match import BARELY, ENOUGH
+from medial.matching.fit_search import search_from
 from medial.matching.nearest import single_blas_thread
 from medial.matching.prepared import prepare_pair
 from medial.matching.registration.direction import DirectedFit, Direction, pair_directions
 from medial.matching.registration.evidence import Weights
 from medial.matching.registration.placement import path_change, place
-from medial.matching.registration.search import follow, half_turned, moving, search, settle, surely_seen
 from medial.matching.registration.selection import FineSelection
 from scanner_sim import Scan, ScannerConfig, scan
 from tests.benchmarks.choice_model import SET, SIGNS, left_out, sensitivity
@@ -74,18 +73,10 @@ def pairs_of(poses: tuple[str, ...], which: str, seed: int) -> list[tuple[str, s
 
 
 def fits_of(directions: list[Direction]) -> list[DirectedFit]:
-    """What the matcher's search ends with (`medial.matching.match.match_by_fit`)."""
+    """What the matcher's search ends with (`medial.matching.fit_search`)."""
     starts = first_landmarks_of(directions)
-    settled = settle(directions, follow(directions, first_batch(directions, starts)))
-    if surely_seen(settled) < ENOUGH:
-        settled += settle(directions, follow(directions, second_batch(directions, starts)))
-        settled += [fit for each in directions for fit in each.from_rigid_motions()]
-    fits = moving(search(directions, moving(settled)))
-    if BARELY < surely_seen(fits) < ENOUGH:
-        fits = moving(search(directions, fits))
-    if surely_seen(fits) < ENOUGH:
-        fits = moving(fits + half_turned(directions, fits))
-    return fits
+    first = first_batch(directions, starts)
+    return search_from(directions, first, lambda: second_batch(directions, starts)).fits
 
 
 def finalists_of(

@@ -83,16 +83,19 @@ class FineDeformation:
         shown: tuple[Visibility, Visibility] | None = None,
         weights: Weights = WEIGHTS,
     ) -> None:
-        self.source, self.target, self._shown, self._weights = source, target, shown, weights
+        self.source, self.target, self._weights = source, target, weights
         count = max(2, min(nodes, len(source) // 4))
         self.graph, self.attachment = NodeGraph.over(
             coordinates, source.points, eligible, count, FINE_INFLUENCES
         )
         self._taken, among = covers
-        self._registration = self._over(self._taken, among, among[:LOOK_BACK])
-        self._everything = self._over(np.arange(len(source)), np.arange(len(target)), np.arange(1))
+        self._registration = self._over(self._taken, among, among[:LOOK_BACK], shown)
+        everything = np.arange(len(source)), np.arange(len(target)), np.arange(1)
+        self._everything = self._over(*everything, None)  # asked for partners alone, not for what is missed
 
-    def _over(self, taken: Int, among: Int, look_back: Int) -> Registration:
+    def _over(
+        self, taken: Int, among: Int, look_back: Int, shown: tuple[Visibility, Visibility] | None
+    ) -> Registration:
         return Registration.between(
             self.graph,
             self.attachment,
@@ -101,7 +104,7 @@ class FineDeformation:
             taken,
             among,
             look_back,
-            self._shown,
+            shown,
             self._weights,
         )
 

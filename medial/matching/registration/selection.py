@@ -70,7 +70,7 @@ class FineSelection:
 
     def __init__(self, fits: list[DirectedFit], placements: list[Placement], config: MatchConfig) -> None:
         self._fits, self._placements, self._config = fits, placements, config
-        self._weights = Weights.of(config.evidence)
+        self._weights = fits[0].weights
         self._nodes = config.fine_nodes if config.refine == "deform" else config.nodes
         self._fine: dict[Direction, FineDeformation] = {}
 

@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter
 from scipy.spatial import cKDTree
 
+from datasets_gen.points.fibonacci import fibonacci_sphere
+
 Float = NDArray[np.float64]
 
 DIRECTIONS = 200
@@ -125,7 +127,7 @@ class Visibility:
         spacing = typical_spacing(points)
         if spacing == 0:
             return cls((), 1.0)
-        maps = [DepthMap.of(points, toward, spacing) for toward in even_directions(DIRECTIONS)]
+        maps = [DepthMap.of(points, toward, spacing) for toward in fibonacci_sphere(DIRECTIONS)]
         worth = _seen(points, normals, maps)
         maps = [maps[k] for k in _explaining(worth)]
         for _ in range(TURNS if maps else 0):
@@ -185,12 +187,3 @@ def _explaining(worth: Float) -> list[int]:
         chosen.append(int(gain.argmax()))
         best = np.maximum(best, worth[chosen[-1]])
     return chosen
-
-
-def even_directions(count: int) -> Float:
-    """Spherical Fibonacci points, (count, 3)."""
-    index = np.arange(count)
-    y = 1 - (2 * index + 1) / count
-    angle = np.pi * (3 - np.sqrt(5)) * index
-    radius = np.sqrt(1 - y**2)
-    return np.stack([radius * np.cos(angle), y, radius * np.sin(angle)], axis=1)

@@ -12,7 +12,7 @@ import pytest
 
 from evaluation import run
 from evaluation.running import execute
-from evaluation.running.attempts import given_up
+from evaluation.running.attempts import Attempt
 from evaluation.running.progress import Silent
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -160,9 +160,10 @@ def test_what_was_tried_alone_and_given_up_is_blamed_with_its_fault(tmp_path):
     (tmp_path / "running").mkdir()
     (tmp_path / "running" / "bad.json").write_text('{"run": "r", "attempt": 1, "pid": 1}')
     (tmp_path / "running" / "bad.txt").write_text("Fatal Python error: Segmentation fault\nmore")
-    reason = given_up(tmp_path, task("bad"))
+    attempt = Attempt(tmp_path, task("bad"), "r", 1.0, alone=True)
+    reason = attempt.given_up()
     assert reason == "took its worker down 2 times (Fatal Python error: Segmentation fault)"
-    assert given_up(tmp_path, task("bad")) is None  # told once
+    assert attempt.given_up() is None  # told once
     assert list((tmp_path / "running").iterdir()) == []
 
 

@@ -87,9 +87,9 @@ def test_the_search_goes_on_once_more_where_too_little_meets(monkeypatch, enough
         best.append(tuple(max(f.score for f in some) for some in (fits, found)))
         return found
 
-    monkeypatch.setattr("medial.matching.match.ENOUGH", enough)
-    monkeypatch.setattr("medial.matching.match.BARELY", barely)
-    monkeypatch.setattr("medial.matching.match.search", watched)
+    monkeypatch.setattr("medial.matching.fit_search.ENOUGH", enough)
+    monkeypatch.setattr("medial.matching.fit_search.BARELY", barely)
+    monkeypatch.setattr("medial.matching.fit_search.search", watched)
     match(figure(), bent_figure(*BENT), SMALL)
     assert len(best) == times
     assert all(after >= before for before, after in best)

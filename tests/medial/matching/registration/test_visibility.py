@@ -3,29 +3,23 @@
 import numpy as np
 import pytest
 
+from datasets_gen.points.fibonacci import fibonacci_sphere
 from medial.matching.registration.visibility import (
     FINEST,
     DepthMap,
     Visibility,
-    even_directions,
     typical_spacing,
 )
 
 
 def sphere(n=3000, centre=(0.0, 0.0, 0.0), radius=1.0):
-    normals = even_directions(n)
+    normals = fibonacci_sphere(n)
     return radius * normals + np.array(centre), normals
 
 
 def seen_from(toward, points, normals, least=0.3):
     kept = normals @ (np.asarray(toward) / np.linalg.norm(toward)) > least
     return points[kept], normals[kept]
-
-
-def test_even_directions_are_unit_and_balanced():
-    directions = even_directions(200)
-    assert np.allclose(np.linalg.norm(directions, axis=1), 1)
-    assert np.abs(directions.mean(axis=0)).max() < 0.01
 
 
 def test_a_sphere_seen_from_one_side_shows_that_side_alone():
@@ -71,7 +65,7 @@ def test_visibility_turns_and_scales_with_the_cloud():
 
     points, normals = seen_from((0, 0, 1), *sphere())
     turn = Rotation.from_rotvec([0.3, -1.0, 0.5])
-    probes = even_directions(300)
+    probes = fibonacci_sphere(300)
     before = Visibility.of(points, normals).expected(probes, probes)
     after = Visibility.of(3 * turn.apply(points), turn.apply(normals)).expected(
         3 * turn.apply(probes), turn.apply(probes)
