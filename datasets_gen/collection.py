@@ -2,17 +2,20 @@
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.placement import Placement
 from datasets_gen.record_arrays import check_ids, check_layout, check_values
 from datasets_gen.records import InputError, load_record, save_record, unpacking
 from datasets_gen.shape import Shape
 
 _KIND = "Collection"
+_OWN = ("own_vertices", "own_faces", "place_faces", "place_weights")
+"""Arrays of a file for a shape with a placement, each followed by the number of the shape."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -26,27 +29,37 @@ class Collection:
     ----------
     subject : str
     shapes : tuple of Shape
-        All with the same faces.
+        All with the faces of the reference, but for those that have a placement.
     reference : Shape
         The rest pose; ground truth and geodesics live on it.
     mirror : (v,) int64 or None
         For left-right symmetric subjects, the vertex that mirrors each vertex; None where unknown.
+    placements : mapping of str to Placement
+        By pose, of shapes with a mesh of their own (parts, other meshings): where they lie on the reference.
 
     Raises
     ------
     InputError
-        If the shapes differ in their faces.
+        If a shape without a placement differs in its faces, or a placement does not fit its shape.
     """
 
     subject: str
     shapes: tuple[Shape, ...]
     reference: Shape
     mirror: NDArray[np.int64] | None = None
+    placements: Mapping[str, Placement] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check that connectivity is shared."""
+        """Check that connectivity is shared, or bridged by a placement."""
         for shape in self.shapes:
-            if not np.array_equal(shape.faces, self.reference.faces):
+            placement = self.placements.get(shape.pose)
+            if placement is not None:
+                if len(placement.face_ids) != len(shape.vertices):
+                    raise InputError(
+                        f"shape {shape.name!r} has {len(shape.vertices)} vertices, its ground truth "
+                        f"{len(placement.face_ids)} entries; give one for each vertex"
+                    )
+            elif not np.array_equal(shape.faces, self.reference.faces):
                 raise InputError(
                     f"shape {shape.name!r} has other faces than the reference {self.reference.name!r}; "
                     "poses of one subject must share connectivity"
@@ -99,9 +112,38 @@ class Collection:
         InputError
             If the shape is of another subject.
         """
+        return self.reference.at(*self.on_reference(shape, face_ids, barycentrics))
+
+    def on_reference(
+        self, shape: Shape, face_ids: NDArray[np.integer], barycentrics: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+        """The same surface points as faces of the reference and barycentric coordinates.
+
+        The identity where the shape has the faces of the reference; else `Placement.carried`.
+
+        Parameters
+        ----------
+        shape
+            A shape of this collection, on which the points were scanned.
+        face_ids : (n,)
+        barycentrics : (n, 3)
+
+        Returns
+        -------
+        face_ids : (n,) int32
+        barycentrics : (n, 3) float64
+
+        Raises
+        ------
+        InputError
+            If the shape is of another subject.
+        """
         if shape.subject != self.subject:
             raise InputError(f"shape {shape.name!r} is not of subject {self.subject!r}")
-        return self.reference.at(face_ids, barycentrics)
+        placement = self.placements.get(shape.pose)
+        if placement is None:
+            return np.asarray(face_ids, dtype=np.int32), barycentrics
+        return placement.carried(shape, self.reference, face_ids, barycentrics)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write all poses and the reference as one ``.npz``.
@@ -112,10 +154,13 @@ class Collection:
             If the file cannot be written.
         """
         stored = {shape.pose: shape for shape in (self.reference, *self.shapes)}
-        arrays: dict[str, Any] = {
-            "faces": self.reference.faces,
-            "vertices": np.stack([shape.vertices for shape in stored.values()]),
-        }
+        shared = [shape.vertices for pose, shape in stored.items() if pose not in self.placements]
+        arrays: dict[str, Any] = {"faces": self.reference.faces, "vertices": np.stack(shared)}
+        for number, pose in enumerate(stored):
+            if pose in self.placements:
+                own = stored[pose].vertices, stored[pose].faces
+                place = self.placements[pose].face_ids, self.placements[pose].barycentrics
+                arrays |= {f"{name}_{number}": each for name, each in zip(_OWN, (*own, *place), strict=True)}
         if self.mirror is not None:
             arrays["mirror"] = self.mirror
         meta = {
@@ -140,14 +185,15 @@ class Collection:
         arrays, meta = load_record(path, _KIND)
         with unpacking(path, _KIND):
             _check(arrays, meta)
-            shapes = {
-                pose: Shape(vertices, arrays["faces"], name, meta["subject"], pose, meta["units"])
-                for pose, name, vertices in zip(
-                    meta["stored"], meta["names"], arrays["vertices"], strict=True
-                )
-            }
+            shared, shapes, placements = iter(arrays["vertices"]), {}, {}
+            for number, (pose, name) in enumerate(zip(meta["stored"], meta["names"], strict=True)):
+                own = [arrays[f"{each}_{number}"] for each in _OWN if f"{each}_{number}" in arrays]
+                vertices, faces, *place = own or (next(shared), arrays["faces"])
+                shapes[pose] = Shape(vertices, faces, name, meta["subject"], pose, meta["units"])
+                if place:
+                    placements[pose] = Placement(*place)
             chosen = tuple(shapes[pose] for pose in meta["poses"])
-            return cls(meta["subject"], chosen, shapes[meta["reference"]], arrays.get("mirror"))
+            return cls(meta["subject"], chosen, shapes[meta["reference"]], arrays.get("mirror"), placements)
 
 
 def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
@@ -157,6 +203,14 @@ def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
     vertices = check_layout(arrays, layout, finite="vertices")["v"]
     for name in ("faces", *mirror):
         check_ids(arrays[name], vertices, name)
+    for number in range(len(meta["stored"])):
+        names = [f"{each}_{number}" for each in _OWN]
+        if any(name in arrays for name in names):
+            kinds = ("float w 3", "int g 3", "int w", "float w 3")
+            layout = dict(zip(names, kinds, strict=True))
+            own = check_layout(arrays, layout, finite=f"{names[0]} {names[3]}")["w"]
+            check_ids(arrays[names[1]], own, names[1])
+            check_ids(arrays[names[2]], len(arrays["faces"]), names[2])
     check_values(Shape, {"subject": meta["subject"], "units": meta["units"]})
     for pose, name in zip(meta["stored"], meta["names"], strict=True):
         check_values(Shape, {"pose": pose, "name": name})

@@ -2,8 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from trimesh.triangles import closest_point, points_to_barycentric
 
+from datasets_gen.meshes.nearest_faces import closest_barycentrics
 from datasets_gen.shape import Shape
 from evaluation.metrics.correspondence import SurfacePoints
 
@@ -47,23 +47,3 @@ def _faces_of_vertices(shape: Shape) -> NDArray[np.int64]:
     table = np.full((len(shape.vertices), counts.max()), -1, dtype=np.int64)
     table[vertex[order], place] = order // 3
     return table
-
-
-def closest_barycentrics(triangles: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Barycentrics of the point of each triangle that is closest to each point.
-
-    Parameters
-    ----------
-    triangles : (n, 3, 3)
-        Corners.
-    points : (n, 3)
-
-    Returns
-    -------
-    (n, 3) float64
-        In [0, 1], summing to 1; nan where a triangle has no area.
-    """
-    closest = closest_point(triangles, points)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        weights = np.clip(points_to_barycentric(triangles, closest, method="cross"), 0, 1)  # rounding
-        return weights / weights.sum(axis=1, keepdims=True)

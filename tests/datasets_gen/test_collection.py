@@ -2,8 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
-from datasets_gen import Collection, InputError
+from datasets_gen import Collection, InputError, Shape
+from datasets_gen.meshes.nearest_faces import nearest_on_mesh
+from datasets_gen.placement import Placement
 from datasets_gen.records import load_record, save_record
 from tests.datasets_gen.collections.test_folder import posed
 
@@ -58,3 +61,54 @@ def test_poses_share_their_faces(ball):
     other = replace(ball["pose2"], faces=ball["pose2"].faces[::-1])
     with pytest.raises(InputError, match="must share connectivity"):
         Collection("ball", (other,), ball.reference)
+
+
+def sphere_collection(subdivisions: int) -> tuple[Collection, np.ndarray]:
+    """A fine unit sphere as the reference, and a coarser, stretched one placed on it by direction."""
+    fine, coarse = (trimesh.creation.icosphere(n) for n in (4, subdivisions))
+    rest = Shape(np.array(fine.vertices), np.array(fine.faces, np.int32), "ball/rest", "ball", "rest")
+    stretch = np.array([1.0, 2.0, 0.5])
+    part = Shape(coarse.vertices * stretch, np.array(coarse.faces, np.int32), "ball/part", "ball", "part")
+    place = Placement(*nearest_on_mesh(rest.vertices, rest.faces, np.array(coarse.vertices)))
+    return Collection("ball", (rest, part), rest, placements={"part": place}), stretch
+
+
+def test_points_of_a_shape_with_its_own_mesh_lie_on_the_reference():
+    """On a stretched sphere the right place is known: the point, unstretched, in the same direction."""
+    body, stretch = sphere_collection(3)
+    rng = np.random.default_rng(0)
+    faces = rng.integers(len(body["part"].faces), size=200)
+    weights = rng.dirichlet(np.ones(3), size=200)
+    found = body.canonical(body["part"], faces, weights)
+    right = body["part"].at(faces, weights) / stretch
+    right /= np.linalg.norm(right, axis=1, keepdims=True)
+    assert np.linalg.norm(found - right, axis=1).max() < 0.01  # facets of both meshes
+
+
+def test_a_file_holds_placements(tmp_path):
+    body, _ = sphere_collection(2)
+    body.save(tmp_path / "body.npz")
+    found = Collection.load(tmp_path / "body.npz")
+    assert found.poses == ("rest", "part")
+    assert np.array_equal(found["part"].faces, body["part"].faces)
+    assert np.array_equal(found["part"].vertices, body["part"].vertices)
+    for name in ("face_ids", "barycentrics"):
+        one, other = (getattr(each.placements["part"], name) for each in (found, body))
+        assert np.array_equal(one, other)
+
+
+def test_a_placement_has_an_entry_for_each_vertex():
+    body, _ = sphere_collection(2)
+    place = body.placements["part"]
+    short = Placement(place.face_ids[1:], place.barycentrics[1:])
+    with pytest.raises(InputError, match="has 162 vertices, its ground truth 161 entries"):
+        replace(body, placements={"part": short})
+
+
+def test_vertices_of_the_reference_place_a_shape():
+    body, _ = sphere_collection(2)
+    rest = body.reference
+    place = Placement.of_vertices(np.array([5, 0, 161]), rest)
+    assert np.array_equal(rest.at(place.face_ids, place.barycentrics), rest.vertices[[5, 0, 161]])
+    with pytest.raises(InputError, match="vertex 2562 of 'ball/rest' is named, but it has 2562 vertices"):
+        Placement.of_vertices(np.array([2562]), rest)

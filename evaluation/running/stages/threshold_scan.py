@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from datasets_gen import InputError
+from datasets_gen import Collection, InputError, Shape
 from evaluation.running.stages.interface import Inputs, Output
 from scanner_sim import Scan, coverage, sample
 
@@ -21,9 +21,10 @@ def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     Info: ``points``, and ``missing``: the share of the surface that has no accepted scan point within 1 %
     of the bounding box's diagonal, before thinning.
     """
-    shape = inputs.load("shape")[spec["pose"]]
+    collection: Collection = inputs.load("shape")
+    shape = collection[spec["pose"]]
     if spec.get("ideal"):
-        cloud = sample(shape, spec["points"], seed=spec["seed"])
+        cloud = on_reference(sample(shape, spec["points"], seed=spec["seed"]), collection, shape)
         return Output(cloud.save, {"points": len(cloud), "missing": 0.0})
     accepted = inputs.load("render").accept(spec["threshold"])
     if len(accepted) == 0:
@@ -31,8 +32,15 @@ def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
             f"no point of {shape.name!r} reaches the peak threshold {spec['threshold']}; lower it"
         )
     missing = 1 - coverage(accepted, shape)
-    cloud = moved(accepted.subsample(spec["points"], seed=spec["seed"]), spec)
+    thinned = accepted.subsample(spec["points"], seed=spec["seed"])
+    cloud = moved(on_reference(thinned, collection, shape), spec)
     return Output(cloud.save, {"points": len(cloud), "missing": missing})
+
+
+def on_reference(cloud: Scan, collection: Collection, shape: Shape) -> Scan:
+    """The cloud with its ground truth on the reference, where every score looks for it."""
+    faces, barycentrics = collection.on_reference(shape, cloud.face_ids, cloud.barycentrics)
+    return replace(cloud, face_ids=faces, barycentrics=barycentrics)
 
 
 def moved(cloud: Scan, spec: Mapping[str, Any]) -> Scan:
