@@ -8,33 +8,32 @@ import csv
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from datasets_gen.correspondences.point_map import FORMATS, ON_TRIANGLES
+from datasets_gen.correspondences.reading import read_map
 from datasets_gen.fingerprints import digest_files
 from datasets_gen.records import InputError, atomic_path
 from evaluation.experiment.toml_tables import expect
 from evaluation.methods.base import Method, MethodInput, dense
-from evaluation.results.outcome import one_line
 from evaluation.results.store import ResultsStore
 from medial import Matching
 
-SUFFIXES = (".npz", ".npy", ".txt", ".csv")
+SUFFIXES = tuple(suffix for suffix in FORMATS if suffix not in ON_TRIANGLES)
 
 
 @dataclass(frozen=True, kw_only=True)
 class External(Method):
     """Reads ``<source>--<target>`` with one of `SUFFIXES`, where the names are the keys of the scans.
 
-    ``.npz`` holds ``source_to_target`` and optionally ``confidence``; ``.npy`` the ids; ``.txt`` and
-    ``.csv`` one id per line, optionally followed by a confidence. Ids count from 0; -1 is no match.
+    The formats are those of `datasets_gen.correspondences`. Ids count from 0, from 1 in ``.vts`` and
+    ``.mat``, or as the header of a file says; -1 is no match. Confidence is 1 where a file has none.
     """
 
     folder: str = ""
-    first_id: int = 0
-    """Id of the first target point: 1 for files that count from 1."""
+    first_id: int | None = None
+    """Id of the first target point, 0 or 1, whatever format and header say."""
 
     def __post_init__(self) -> None:
         """Check the folder."""
@@ -52,43 +51,12 @@ class External(Method):
         found = [path for suffix in SUFFIXES if (path := stem.with_name(stem.name + suffix)).is_file()]
         if not found:
             raise InputError(f"no correspondence file {str(stem)!r} with {', '.join(SUFFIXES)}")
-        ids, confidence = read_correspondence(found[0])
-        if len(ids) != len(source):
-            raise InputError(f"{str(found[0])!r} holds {len(ids)} ids for a source of {len(source)} points")
-        image = np.where(ids < self.first_id, -1, ids - self.first_id)
-        return dense(image, confidence, seed=seed)
-
-
-def read_correspondence(path: Path) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Target ids and confidences of a file; confidence is 1 where the file has none.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or holds no ids.
-    """
-    try:
-        confidence: Any = None
-        if path.suffix == ".npz":
-            with np.load(path, allow_pickle=False) as data:
-                ids = data["source_to_target"]
-                confidence = data.get("confidence")
-        elif path.suffix == ".npy":
-            ids = np.load(path, allow_pickle=False)
-        else:
-            delimiter = "," if path.suffix == ".csv" else None
-            table = np.loadtxt(path, ndmin=2, delimiter=delimiter)
-            ids, confidence = table[:, 0], table[:, 1] if table.shape[1] > 1 else None
-        ids = np.asarray(ids).ravel()
-        whole = ids.astype(np.int64)
-        if not (whole == ids).all():
-            raise ValueError("ids are no whole numbers")
-        sure = None if confidence is None else np.asarray(confidence, np.float64).ravel()
-        if sure is not None and len(sure) != len(whole):
-            raise ValueError(f"{len(whole)} ids with {len(sure)} confidences")
-    except Exception as error:  # NumPy's readers raise anything on a broken file
-        raise InputError(f"{str(path)!r} is not a readable correspondence ({one_line(error)})") from error
-    return whole, np.where(whole >= 0, 1.0, 0.0) if sure is None else sure
+        read = read_map(found[0], self.first_id, otherwise=0)
+        if len(read) != len(source):
+            raise InputError(f"{str(found[0])!r} holds {len(read)} ids for a source of {len(source)} points")
+        read.check_target(len(target), 0, repr(str(found[0])))
+        sure = np.where(read.matched, 1.0, 0.0) if read.confidence is None else read.confidence
+        return dense(read.ids, sure, seed=seed)
 
 
 def export(store: ResultsStore, folder: str | os.PathLike[str]) -> Path:

@@ -16,6 +16,7 @@ COMMANDS = {
     "scan": "reports.cli.scan:scan",
     "match": "reports.cli.match:match",
     "symmetry": "reports.cli.symmetry:symmetry",
+    "score": "reports.cli.score:score",
     "run": "reports.cli.run:run",
     "report": "reports.cli.report:report",
     "compare": "reports.cli.compare:compare",

@@ -99,7 +99,7 @@ def _numbers(record, names, shape, kinds) -> None:
 
 def sound_ids(found) -> None:
     """Of correspondences that another program made."""
-    ids, confidence = found
-    assert ids.dtype == np.int64
-    assert confidence.dtype == np.float64
-    assert ids.shape == confidence.shape == (len(ids),)
+    assert found.ids.dtype == np.int64
+    assert found.ids.ndim == 1
+    for array, shape in ((found.confidence, (len(found),)), (found.weights, (len(found), 3))):
+        assert array is None or (array.dtype == np.float64 and array.shape == shape)

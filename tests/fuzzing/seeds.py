@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from scipy.io import savemat
 
 from datasets_gen import Collection, Shape
 from datasets_gen.meshes.files import write_mesh
@@ -180,6 +181,13 @@ def npy(array: Any) -> bytes:
     """One array."""
     out = io.BytesIO()
     np.save(out, array)
+    return out.getvalue()
+
+
+def mat_of_ids() -> bytes:
+    """A map from MATLAB."""
+    out = io.BytesIO()
+    savemat(out, {"matches": np.array([[1.0], [3], [2]]), "C": np.eye(2)})
     return out.getvalue()
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -11,8 +11,8 @@ import numpy as np
 
 from datasets_gen import Collection
 from datasets_gen.collections.folder import write_collection
+from datasets_gen.correspondences.reading import read_map
 from evaluation import Experiment
-from evaluation.methods.external import read_correspondence
 from medial import Diffusion, Matching
 from scanner_sim import Scan, ScannerConfig
 from tests.fuzzing import checks, readers, seeds
@@ -88,7 +88,7 @@ def _ids_file(suffix: str, content: Callable[[], bytes], mutate: Mutate = mutate
         name=f"map-of-others-{suffix}",
         file=f"a--b.{suffix}",
         seeds=lambda: (content(),),
-        read=read_correspondence,
+        read=partial(read_map, otherwise=0),
         check=checks.sound_ids,
         mutate=mutate,
     )
@@ -237,6 +237,10 @@ TARGETS = {
         _ids_file("npy", lambda: seeds.npy(np.arange(5))),
         _ids_file("txt", lambda: b"0 1.0\n1 .5\n-1 0\n"),
         _ids_file("csv", lambda: b"0,1.0\n1,.5\n-1,0\n"),
+        _ids_file("csv.csv", lambda: b"# first_id = 1\nsource,target,confidence\n1,2,.5\n2,-1,0\n"),
+        _ids_file("vts", lambda: b"1\n3\n2\n"),
+        _ids_file("corr", lambda: b"1 .5 .25 .25\n-1 0 0 0\n4 1 0 0\n"),
+        _ids_file("mat", seeds.mat_of_ids),
         _reader_of_results("table.parquet", readers.read_leaderboard, mutated_parquet),
         _reader_of_results("run.json", readers.read_notes),
         _reader_of_results("failures.csv", readers.read_notes),

@@ -2,35 +2,51 @@ import numpy as np
 import pytest
 
 from datasets_gen import InputError
+from datasets_gen.correspondences.point_map import FORMATS, PointMap
+from datasets_gen.correspondences.writing import write_map
 from evaluation import run
-from evaluation.methods.external import External, export, read_correspondence
+from evaluation.methods.external import SUFFIXES, External, export
 
 
-@pytest.mark.parametrize("suffix", [".npy", ".npz", ".txt", ".csv"])
-@pytest.mark.parametrize("confident", [True, False])
-def test_every_format_says_the_same(tmp_path, suffix, confident):
-    ids, confidence = np.array([2, 0, -1, 5]), np.array([0.5, 1, 0, 0.25])
-    path = tmp_path / f"map{suffix}"
+class Cloud:
+    """As many points as a pair of the tests has."""
+
+    def __init__(self, name: str, points: int) -> None:
+        self.name, self.points = name, points
+
+    def __len__(self) -> int:
+        return self.points
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_every_format_says_the_same(tmp_path, suffix):
+    ids = np.array([2, 0, -1, 5])
+    first = FORMATS[suffix][0] or 0
     if suffix == ".npy":
-        np.save(path, ids)
-    elif suffix == ".npz":
-        np.savez(path, source_to_target=ids, **({"confidence": confidence} if confident else {}))
+        np.save(tmp_path / "a--b.npy", ids)
     else:
-        table = np.column_stack([ids, confidence]) if confident else ids
-        np.savetxt(path, table, delimiter="," if suffix == ".csv" else " ")
-    found, trust = read_correspondence(path)
-    assert found.tolist() == ids.tolist()
-    assert trust.tolist() == (confidence.tolist() if confident and suffix != ".npy" else [1, 1, 0, 1])
+        write_map(PointMap(ids), tmp_path / f"a--b{suffix}", first_id=first)
+    found = External(folder=str(tmp_path)).match(Cloud("a", 4), Cloud("b", 6), seed=0)
+    assert found.source_to_target.tolist() == ids.tolist()
+    assert found.confidence.tolist() == [1, 1, 0, 1]
 
 
-@pytest.mark.parametrize(
-    ("name", "text"), [("a.txt", "1.5\n2"), ("b.txt", "x"), ("c.npz", "x"), ("d.npy", "")]
-)
-def test_files_that_hold_no_ids(tmp_path, name, text):
-    (tmp_path / name).write_text(text)
-    with pytest.raises(InputError, match="not a readable correspondence") as error:
-        read_correspondence(tmp_path / name)
-    assert "\n" not in str(error.value)
+def test_ids_of_bare_text_count_from_zero_unless_it_is_said(tmp_path):
+    (tmp_path / "a--b.txt").write_text("2 .5\n1 1\n")
+    for first, ids in ((None, [2, 1]), (1, [1, 0])):
+        method = External(folder=str(tmp_path), first_id=first)
+        found = method.match(Cloud("a", 2), Cloud("b", 3), seed=0)
+        assert found.source_to_target.tolist() == ids
+        assert found.confidence.tolist() == [0.5, 1]
+
+
+def test_a_map_that_does_not_fit_the_clouds_is_refused(tmp_path):
+    (tmp_path / "a--b.txt").write_text("2\n1\n")
+    method = External(folder=str(tmp_path))
+    with pytest.raises(InputError, match="2 ids for a source of 3"):
+        method.match(Cloud("a", 3), Cloud("b", 3), seed=0)
+    with pytest.raises(InputError, match="names number 2 of a target of 2 points"):
+        method.match(Cloud("a", 2), Cloud("b", 2), seed=0)
 
 
 def test_a_folder_must_be_there(tmp_path):
@@ -39,9 +55,17 @@ def test_a_folder_must_be_there(tmp_path):
 
 
 def test_files_decide_the_version(tmp_path):
-    before = External(folder=str(tmp_path)).fingerprint()
+    def version():
+        return External(folder=str(tmp_path)).fingerprint()
+
+    empty = version()
     (tmp_path / "a--b.txt").write_text("0\n")
-    assert External(folder=str(tmp_path)).fingerprint() != before
+    first = version()
+    (tmp_path / "a--b.txt").write_text("1\n")
+    second = version()
+    (tmp_path / "a--b.txt").write_text("0\n")
+    assert version() == first  # of the same files, whenever they were written
+    assert len({empty, first, second}) == 3
 
 
 @pytest.mark.slow
@@ -49,6 +73,7 @@ def test_exported_matched_elsewhere_and_scored(small, tmp_path):
     store = run(small(stability=None), tmp_path / "first", jobs=1)
     pairs = export(store, tmp_path / "elsewhere").read_text().splitlines()
     assert pairs[0] == "source,target,regime"
+    assert len(pairs) == 1 + 2  # the reference to each other pose
     answers = tmp_path / "answers"
     answers.mkdir()
     for line in pairs[1:]:

@@ -1,0 +1,182 @@
+"""The error of a map between meshes that was made anywhere, against a ground truth in a file."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.correspondences.point_map import PointMap
+from datasets_gen.placement import Placement
+from datasets_gen.records import InputError
+from datasets_gen.shape import Shape
+from evaluation.metrics.correspondence import (
+    SurfacePoints,
+    area_under_curve,
+    pck_curve,
+    symmetric_mean,
+    with_unmatched,
+)
+from evaluation.metrics.geodesic import SurfaceDistance
+from evaluation.metrics.limbs import remoteness
+
+LEVELS = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
+"""Errors at which the share of points below is told, in sqrt(area)."""
+
+
+@dataclass(frozen=True)
+class MapScore:
+    """Errors of a map at the source points whose right place is known.
+
+    Attributes
+    ----------
+    source_ids : (n,) int64
+        The source points.
+    errors : (n,) float64
+        Geodesic distance on the target between found and right place, in sqrt(area); nan without a match, or
+        with one on a piece that is not connected with the right place.
+    counted : (n,) float64
+        The same with points without a match counted like random ones
+        (`evaluation.metrics.correspondence.with_unmatched`): what means are taken of.
+    elsewhere : int
+        Points that are mapped to a piece of the target that is not connected with the right place.
+    symmetric : float or None
+        The lower of the mean errors to the truth and to its mirror image.
+    flipped : bool or None
+        Whether that is the mirror image's.
+    """
+
+    source_ids: NDArray[np.int64]
+    errors: NDArray[np.float64]
+    counted: NDArray[np.float64]
+    elsewhere: int = 0
+    symmetric: float | None = None
+    flipped: bool | None = None
+
+    @property
+    def matched(self) -> float:
+        """Share of the points that have a match."""
+        return float((~np.isnan(self.errors)).mean())
+
+    def summary(self) -> dict[str, float | int | bool | None]:
+        """Numbers by name; errors are x 100 / sqrt(area), shares in percent."""
+        curve = pck_curve(self.errors)
+        below = pck_curve(self.errors, LEVELS)
+        return {
+            "points": len(self.errors),
+            "matched %": 100 * self.matched,
+            "mean": 100 * float(self.counted.mean()),
+            "median": 100 * float(np.median(self.counted)),
+            "max": 100 * float(self.counted.max()),
+            **{f"PCK {100 * at:g} %": 100 * float(b) for at, b in zip(LEVELS, below, strict=True)},
+            "AUC": 100 * area_under_curve(curve),
+            **({} if self.symmetric is None else {"symmetric mean": 100 * self.symmetric}),
+            **({} if self.flipped is None else {"flipped": self.flipped}),
+        }
+
+
+def score_map(
+    found: PointMap,
+    truth: PointMap,
+    target: Shape,
+    mirrored: PointMap | None = None,
+    area: float | None = None,
+) -> MapScore:
+    """Score a map of vertices against the truth.
+
+    Parameters
+    ----------
+    found
+        For each source vertex a vertex of the target, or a triangle of it with weights.
+    truth
+        The same, right. Source vertices without a right place (-1) are left out.
+    target
+        An oriented manifold; boundaries and several pieces are allowed.
+    mirrored
+        The truth's mirror image, for the symmetric error: one choice for the whole map.
+    area
+        Errors are divided by its square root. Default: the area of the target.
+
+    Raises
+    ------
+    InputError
+        If the maps do not fit each other or the target, or the truth holds no point.
+    """
+    if len(found) != len(truth):
+        raise InputError(
+            f"the map has {len(found)} points, the ground truth {len(truth)}; give maps of the same vertices"
+        )
+    picked = np.flatnonzero(truth.matched)
+    if not len(picked):
+        raise InputError("the ground truth holds no point; give one that does")
+    distance = SurfaceDistance(target)
+    field, size = remoteness(target, distance), np.sqrt(target.area if area is None else area)
+    errors, counted, elsewhere = _errors(found, truth, picked, target, distance, field, float(size))
+    if mirrored is None:
+        return MapScore(picked, errors, counted, elsewhere)
+    if len(mirrored) != len(truth) or not mirrored.matched[picked].all():
+        raise InputError("the mirrored ground truth lacks points that the ground truth has")
+    other = _errors(found, mirrored, picked, target, distance, field, float(size))[1]
+    mean, flipped = symmetric_mean(float(counted.mean()), float(other.mean()))
+    return MapScore(picked, errors, counted, elsewhere, mean, flipped)
+
+
+def truth_of_pair(source: PointMap, target: PointMap, vertices: int) -> PointMap:
+    """The ground truth between two shapes from a template's maps to each of them.
+
+    Parameters
+    ----------
+    source, target
+        For each template point, its vertex on the source and on the target.
+    vertices
+        Of the source.
+
+    Returns
+    -------
+    PointMap
+        For each source vertex the target vertex of the same template point; -1 where no template point lies.
+        Of several template points on one vertex, the first counts.
+
+    Raises
+    ------
+    InputError
+        If the two do not belong together, or name a vertex that the source lacks.
+    """
+    if len(source) != len(target):
+        raise InputError(f"{len(source)} template points on the source, {len(target)} on the target")
+    source.check_target(vertices, 0, "the ground truth of the source")
+    both = source.matched & target.matched
+    vertex, first = np.unique(source.ids[both], return_index=True)
+    ids = np.full(vertices, -1, dtype=np.int64)
+    ids[vertex] = target.ids[both][first]
+    return PointMap(ids)
+
+
+def places(points: PointMap, target: Shape, picked: NDArray[np.integer]) -> SurfacePoints:
+    """Where some rows of a map, all of them matched, lie on the target."""
+    if points.weights is None:
+        found = Placement.of_vertices(points.ids[picked], target)
+        return SurfacePoints(found.face_ids, found.barycentrics)
+    weights = np.clip(points.weights[picked], 0, None)
+    return SurfacePoints(points.ids[picked], weights / weights.sum(axis=1, keepdims=True))
+
+
+def _errors(
+    found: PointMap,
+    truth: PointMap,
+    picked: NDArray[np.int64],
+    target: Shape,
+    distance: SurfaceDistance,
+    field: NDArray[np.float64],
+    size: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    """Errors, errors as they count, and how many points are on another piece."""
+    for each, name in ((found, "the map"), (truth, "the ground truth")):
+        each.check_target(len(target.vertices), len(target.faces), name)
+    right = places(truth, target, picked)
+    errors, matched = np.full(len(picked), np.nan), found.matched[picked]
+    goal, start = places(found, target, picked[matched]), right[matched]
+    errors[matched] = distance(start.face_ids, start.barycentrics, goal.face_ids, goal.barycentrics) / size
+    apart = np.isinf(errors)
+    errors[apart] = np.nan
+    random = np.einsum("nc,nc->n", right.barycentrics, field[target.faces[right.face_ids]]) / size
+    return errors, with_unmatched(errors, random, np.zeros(len(errors))), int(apart.sum())

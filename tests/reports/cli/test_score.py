@@ -1,0 +1,60 @@
+"""``medialbench score`` on a sphere, with the files of a template and of a symmetric truth."""
+
+import csv
+
+import numpy as np
+import pytest
+import trimesh
+from click.testing import CliRunner
+
+from reports.cli.main import cli
+
+
+@pytest.fixture
+def sphere(tmp_path):
+    trimesh.creation.icosphere(3).export(tmp_path / "ball.off")
+    return tmp_path / "ball.off"
+
+
+def scored(*words):
+    result = CliRunner().invoke(cli, ["score", *map(str, words)])
+    table = dict(
+        line.rsplit(maxsplit=1) for line in result.output.splitlines() if line[:1].islower() or "PCK" in line
+    )
+    return result, table
+
+
+def test_a_map_of_shared_vertices(sphere, tmp_path):
+    np.savetxt(tmp_path / "a.map", np.arange(642), fmt="%d")
+    result, table = scored(tmp_path / "a.map", "--target", sphere, "-o", tmp_path / "errors.csv")
+    assert result.exit_code == 0, result.output
+    assert (table["points"], table["mean"], table["matched %"]) == ("642", "0.000", "100.000")
+    rows = list(csv.DictReader((tmp_path / "errors.csv").open()))
+    assert len(rows) == 642
+    assert all(float(row["error"]) < 1e-6 for row in rows)
+
+
+def test_a_pair_of_vts_files_and_their_mirror_images(sphere, tmp_path):
+    """The template's points 1, 2, 3 are vertices 3, 1, 2 of the source and 10, 20, 30 of the target."""
+    for name, ids in (("a", [3, 1, 2]), ("b", [10, 20, 30]), ("a.sym", [3, 1, 2]), ("b.sym", [30, 20, 10])):
+        np.savetxt(tmp_path / f"{name}.vts", ids, fmt="%d")
+    np.savetxt(tmp_path / "found.txt", [19, 9, 29], fmt="%d", header="first_id = 0")  # swaps 10 and 30
+    files = {"--truth": ("a.vts", "b.vts"), "--mirrored": ("a.sym.vts", "b.sym.vts")}
+    options = [
+        word for option, names in files.items() for name in names for word in (option, tmp_path / name)
+    ]
+    result, table = scored(tmp_path / "found.txt", "--target", sphere, *options)
+    assert result.exit_code == 0, result.output
+    assert (table["symmetric mean"], table["flipped"]) == ("0.000", "True")
+    assert float(table["mean"]) > 1
+
+
+def test_what_is_missing_is_said_in_one_line(sphere, tmp_path):
+    np.savetxt(tmp_path / "a.txt", np.arange(642), fmt="%d")
+    result, _ = scored(tmp_path / "a.txt", "--target", sphere)
+    assert result.exit_code == 1
+    assert "does not say whether indices count from 0 or 1" in result.output
+    np.savetxt(tmp_path / "b.map", np.arange(5), fmt="%d")
+    result, _ = scored(tmp_path / "b.map", "--target", sphere)
+    assert "the map has 5 points and the target 642 vertices" in result.output
+    assert "--truth" in result.output
