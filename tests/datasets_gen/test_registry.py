@@ -1,11 +1,13 @@
 import numpy as np
 import pytest
 
-from datasets_gen import InputError, load, names, provenance, registry, write_collection
+from datasets_gen import InputError, load, names, provenance, write_collection
+from datasets_gen.bodies import built_in
 from datasets_gen.bodies.body_plan import BodyPlan, Detail
+from datasets_gen.bodies.built_in import Recipe, load_body, outline_body
 from datasets_gen.bodies.implicit_surface import Body, ellipsoid
 from datasets_gen.bodies.skeleton import Skeleton, hinge
-from datasets_gen.registry import outline
+from datasets_gen.registry import SOURCES, Source, outline
 
 
 def egg(seed):
@@ -33,14 +35,15 @@ def egg(seed):
 def built(tmp_path, monkeypatch):
     """The egg as a built-in body, and the list of seeds with which it was built."""
     monkeypatch.setenv("MEDIALBENCH_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setitem(registry.BUILT_IN, "egg", egg)
-    seeds, build = [], registry.build_body
+    monkeypatch.setitem(built_in.BODIES, "egg", Recipe("an egg", egg))
+    monkeypatch.setitem(SOURCES, "egg", Source("an egg", load_body, outline_body))
+    seeds, build = [], built_in.build_subjects
 
-    def counted(plan):
+    def counted(plan, *others):
         seeds.append(plan)
-        return build(plan)
+        return build(plan, *others)
 
-    monkeypatch.setattr(registry, "build_body", counted)
+    monkeypatch.setattr(built_in, "build_subjects", counted)
     return seeds
 
 
@@ -61,7 +64,7 @@ def test_unknown_names_get_the_nearest(name, hint):
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        ({"sed": 1}, "no option 'sed'; it has seed, poses"),
+        ({"sed": 1}, "no option 'sed'; it has seed, poses, subjects, variation, mesh_noise"),
         ({"seed": -1}, "seed of 'human' is -1"),
         ({"seed": 1.5}, "seed of 'human' is 1.5"),
         ({"seed": True}, "seed of 'human' is True"),
@@ -94,13 +97,15 @@ def test_built_once_and_then_read(built):
 
 
 def test_same_seed_same_body_without_a_cache(built, tmp_path):
+    """And another seed is the body of that seed: here of another half axis, .2 + .05 seed."""
     first = load("egg", seed=2)
     for file in (tmp_path / "cache").iterdir():
         file.unlink()
     second = load("egg", seed=np.int64(2))
     assert len(built) == 2
     assert np.array_equal(first["bent"].vertices, second["bent"].vertices)
-    assert first.reference.vertices.shape != load("egg", seed=3).reference.vertices.shape
+    for body, half_axis in ((first, 0.3), (load("egg", seed=3), 0.35)):
+        assert np.ptp(body.reference.vertices[:, 2]) == pytest.approx(2 * half_axis, rel=0.02)
 
 
 def test_bodies_of_other_seeds_have_their_own_names(built):
@@ -109,10 +114,30 @@ def test_bodies_of_other_seeds_have_their_own_names(built):
 
 
 def test_provenance_of_built_in_bodies_only():
-    assert provenance("human", 3)["licence"] == "MIT"
-    assert provenance("human", 3)["seed"] == 3
+    """And they say with which options, and whether they are held out."""
+    found = provenance("human", seed=3, subjects=2, variation=0.2)
+    assert found == {
+        "licence": "MIT",
+        "source": "procedural body 'human' of medialbench",
+        "held_out": False,
+        "seed": 3,
+        "subjects": 2,
+        "variation": 0.2,
+    }
+    assert provenance("bird")["held_out"]
+    with pytest.raises(InputError, match="no option 'size'"):
+        provenance("human", size=3)
     with pytest.raises(InputError, match="not built in"):
         provenance("folder")
+
+
+def test_a_package_that_is_not_installed_is_told_with_what_to_type():
+    def source(package, install=""):
+        return Source("x", load_body, outline_body, package=package, install=install)
+
+    assert source(None).missing == source("numpy").missing == ""
+    assert source("no_such_package").missing == "pip install no_such_package"
+    assert source("no_such_package", "pip install 'medialbench[x]'").missing == "pip install 'medialbench[x]'"
 
 
 def test_works_where_no_cache_can_be_written(built, tmp_path):
