@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen import MESH_SUFFIXES, InputError, load_mesh
 from datasets_gen.checks import LARGEST
-from datasets_gen.meshes.files import why_unreadable
+from datasets_gen.meshes.files import check_rows, why_unreadable
 from datasets_gen.points.farthest import farthest_points
 from datasets_gen.points.strays import stray_points, words
 
@@ -154,15 +154,12 @@ def bare_scan(points: NDArray[Any], normals: NDArray[Any] | None, name: str) -> 
 def with_normals(scan: "Scan", name: str, warn: bool = True) -> "Scan":
     """The scan, with estimated normals where it has none; `name` is for the warning."""
     from medial.outward import estimate_normals
+    from medial.validation import check_directions, without_direction
 
-    bad = (~np.isfinite(scan.normals)).any(axis=1) | (scan.normals == 0).all(axis=1)
-    if not bad.any():
-        return scan
+    bad = without_direction(scan.normals)
     if not bad.all():
-        raise InputError(
-            f"{name} has {bad.sum()} normals that are zero or not finite, the first number {bad.argmax()}; "
-            "give unit outward normals, or none at all: then they are estimated"
-        )
+        check_directions(scan.normals, name)
+        return scan
     if warn:
         _log.warning("%s has no normals: estimated; give them where the scanner knows them", name)
     if len(scan.poses) and (scan.view_ids >= 0).all():  # then the scanner knows the side
@@ -255,6 +252,7 @@ def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None, 
     except Exception as error:  # parsers raise anything from IndexError to struct.error on a broken file
         why = why_unreadable(path, error)
         raise InputError(f"{str(path)!r} cannot be read ({why}); export it again") from error
+    check_rows(path, points)
     return points, normals, len(getattr(found, "faces", ())) > 0
 
 

@@ -1,11 +1,18 @@
-"""``medialbench datasets``: list the built-in shapes, or write them as files."""
+"""``medialbench datasets``: list the shapes there are, look at one collection, or write it as files."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.cli.console import Command, result_console, say
+from reports.cli.console import Command, print_lines, say
 from reports.cli.progress import ProgressBar
+from reports.cli.set_options import merged
+
+if TYPE_CHECKING:
+    from datasets_gen import Collection
+
+SHEET_DPI = 110
 
 
 @click.command(cls=Command, short_help="List the built-in shapes, or write them as files.")
@@ -13,50 +20,111 @@ from reports.cli.progress import ProgressBar
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), help="Folder to write PLY files and a manifest to."
 )
-@click.option("--seed", default=0, show_default=True, help="Proportions of a built-in body.")
-def datasets(name: str | None, out: Path | None, seed: int, quiet: bool) -> None:
-    """List the built-in data sets, or show one; with -o, write it as PLY files and a manifest.
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path),
+    help="Draw all poses to this .png; without NAME, of all bodies.",
+)
+@click.option("--seed", type=int, help="Proportions of a built-in body; 0 is the default one.")
+@click.option(
+    "--set", "settings", multiple=True, metavar="NAME=VALUE",
+    help="Further option, such as subjects=3, variation=0.1, mesh_noise=0.2 or poses=[\"walk\"].",
+)  # fmt: skip
+def datasets(
+    name: str | None,
+    out: Path | None,
+    picture: Path | None,
+    seed: int | None,
+    settings: tuple[str, ...],
+    quiet: bool,
+) -> None:
+    """List the data sets that have a name, or show one; with -o, write it as PLY files and a manifest.
 
-    NAME is a built-in data set or a folder with one mesh per pose (ply, obj or off, shared connectivity).
+    NAME is one of them, a folder with one mesh per pose (ply, obj or off, shared connectivity), or the
+    folder of a data set of the field as it comes (TOSCA, SHREC'16 Partial, ...; the list has them). Shown of
+    a pose is how far the lengths of its edges are from those of the rest pose.
     """
-    from datasets_gen import load, names
-    from reports.cli.output_paths import check_output_folder
+    from datasets_gen import names
+    from datasets_gen.bodies.built_in import BODIES
+    from reports.cli.output_paths import check_output_file, check_output_folder
 
-    if name is None:
-        if out is not None:
-            raise click.UsageError(f"-o needs the NAME of a data set: {', '.join(names())}")
-        _list(names(), quiet)
-        return
+    options = merged({"seed": seed}, settings)
+    if name is None and (out is not None or options):
+        raise click.UsageError(f"-o, --seed and --set need the NAME of a data set: {', '.join(names())}")
+    if picture is not None:
+        check_output_file(picture, (".png",))
     if out is not None:
-        check_output_folder(out, () if name in names() else (name,))
-    with ProgressBar(1, f"loading {name}", quiet) as bar:
-        collection = load(name, **({"seed": seed} if name in names() else {}))
-        bar.advance()
-    if out is None:
-        for shape in collection.shapes:
-            result_console().print(shape.name, markup=False)
-        say(quiet, _summary(collection.reference))
+        check_output_folder(out, () if name in names() else (str(name),))
+    if name is None and picture is None:
+        _list(quiet)
         return
-    from datasets_gen import write_collection
+    loaded = _loaded([name] if name else [*BODIES], options, quiet)
+    if picture is not None:
+        _draw(loaded, picture)
+        say(quiet, f"{sum(map(len, loaded))} poses drawn to {picture}")
+    if out is not None:
+        _write(str(name), loaded[0], out, options, quiet)
+    if out is None and picture is None:
+        _show(loaded[0], quiet)
 
-    manifest = write_collection(collection, out, {"seed": seed} if name in names() else None)
-    say(quiet, f"{len(collection.shapes)} poses and {manifest.name} written to {out}")
 
-
-def _list(names: tuple[str, ...], quiet: bool) -> None:
+def _loaded(names: list[str], options: dict[str, Any], quiet: bool) -> list["Collection"]:
     from datasets_gen import load
 
-    rows = []
+    found = []
     with ProgressBar(len(names), "loading", quiet) as bar:
         for name in names:
             bar.describe(f"loading {name}")
-            rows.append((name, load(name)))
+            found.append(load(name, **options))
             bar.advance()
-    for name, collection in rows:
-        poses = ", ".join(shape.pose for shape in collection.shapes)
-        result_console().print(f"[bold]{name}[/]  {_summary(collection.reference)}\n    {poses}")
+    return found
 
 
-def _summary(shape: "object") -> str:
-    vertices, faces = len(shape.vertices), len(shape.faces)  # type: ignore[attr-defined]
-    return f"{vertices:,} vertices, {faces:,} faces, rest pose {shape.pose!r}"  # type: ignore[attr-defined]
+def _draw(collections: list["Collection"], picture: Path) -> None:
+    from reports.figures.pose_sheet import pose_sheet
+    from reports.figures.style import save
+
+    save(pose_sheet(collections), picture.parent, picture.stem, formats=(".png",), dpi=SHEET_DPI)
+
+
+def _write(name: str, collection: "Collection", out: Path, options: dict[str, Any], quiet: bool) -> None:
+    from datasets_gen import names, provenance, write_collection
+
+    manifest = write_collection(collection, out, provenance(name, **options) if name in names() else None)
+    say(quiet, f"{len(collection)} poses and {manifest.name} written to {out}")
+
+
+def _list(quiet: bool) -> None:
+    """A line for each collection that has a name, and its poses."""
+    from rich.markup import escape
+
+    from datasets_gen.collections.layouts import LAYOUTS
+    from datasets_gen.registry import HELD_OUT, SOURCES
+
+    for name, source in SOURCES.items():
+        kept = "; held out" if name in HELD_OUT else ""
+        print_lines([f"[bold]{name}[/]  {escape(source.about)} ({source.origin}, {source.licence}{kept})"])
+        missing = source.missing
+        poses = f"not installed: {missing}" if missing else ", ".join(source.outline(name)["poses"])
+        print_lines([f"    {escape(poses)}"])
+    for layout in LAYOUTS:
+        print_lines([f"[bold]{escape(layout.name)}[/]  {escape(layout.about)}"])
+        print_lines([f"    a folder of your own, {escape(layout.origin)} ({escape(layout.terms)})"])
+    say(quiet, "held out: no constant of a method may be tuned on these; docs/bodies.md")
+
+
+def _show(collection: "Collection", quiet: bool) -> None:
+    from rich.markup import escape
+
+    from datasets_gen.meshes.soundness import edge_stretch
+
+    rest = collection.reference
+    for shape in collection.shapes:
+        own = f"{len(shape.vertices):,} vertices of its own, placed on {rest.pose!r}"
+        line = own if shape.pose in collection.placements else edge_stretch(shape, rest).line
+        told = "" if quiet else f"  {line}"
+        print_lines([escape(shape.name + told)])
+    size = f"{len(rest.vertices):,} vertices, {len(rest.faces):,} faces"
+    say(quiet, f"{size}, rest pose {rest.pose!r}; edges against those of the rest pose")
+    for remark in collection.remarks:
+        say(quiet, remark)

@@ -48,10 +48,11 @@ def write_alternatives(
     written = []
     for number, each in enumerate(found.as_alternatives(), start=2):
         path, drawn = numbered(out, number), numbered(picture, number) if picture else None
-        check_map_outputs(path, drawn, inputs)
-        write_map(path, *clouds, each, about | {"alternative_to": out.name})
+        names = (inputs[0].name, inputs[1].name)
+        check_map_outputs(path, drawn, None, inputs)
+        write_map(path, clouds, names, each, about | {"alternative_to": out.name})
         if drawn is not None:
-            draw_map(drawn, clouds, (inputs[0].name, inputs[1].name), each)
+            draw_map(drawn, clouds, names, each)
         written.append(path)
     return written
 

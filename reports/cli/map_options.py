@@ -12,6 +12,7 @@ from reports.cli.set_options import value_of
 if TYPE_CHECKING:
     from medial import Diffusion, Matching
     from reports.cli.cloud_files import ThinnedCloud
+    from reports.cli.setting_list import Setting
 
 POINTS = 8000
 MODES = 300
@@ -25,6 +26,12 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
             type=click.Path(path_type=Path),
             metavar="FILE.png",
             help="Also draw the map as colours, with landmarks and confidence (.png or .pdf).",
+        ),
+        click.option(
+            "--view",
+            type=click.Path(path_type=Path),
+            metavar="FILE.html",
+            help="Also write a page that shows the map in 3D: turn it, tap a point to see its match.",
         ),
         click.option("--repair", is_flag=True, help="Of a mesh, go on with the largest component."),
         click.option("--seed", default=0, show_default=True, help="Of samples and restarts."),
@@ -61,13 +68,24 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-def check_map_outputs(out: Path, picture: Path | None, inputs: tuple[Path, ...]) -> None:
-    """Raise InputError if the map or its picture cannot be written."""
+def matcher_settings() -> list["Setting"]:
+    """The settings of the matcher; departures have an option of their own."""
+    from medial import MatchConfig
+    from reports.cli.setting_list import settings_of
+
+    return settings_of(MatchConfig, ("departures",))
+
+
+def check_map_outputs(out: Path, picture: Path | None, view: Path | None, inputs: tuple[Path, ...]) -> None:
+    """Raise InputError if the map, its picture or its page cannot be written."""
+    from datasets_gen.correspondences.writing import WRITTEN
     from reports.cli.output_paths import check_output_file
 
-    check_output_file(out, (".npz",), inputs)
+    check_output_file(out, tuple(suffix for suffix in WRITTEN if suffix != ".corr"), inputs)
     if picture is not None:
         check_output_file(picture, (".png", ".pdf"), inputs)
+    if view is not None:
+        check_output_file(view, (".html",), inputs)
 
 
 def operator_of(cloud: "ThinnedCloud", name: str, modes: int, **settings: Any) -> "Diffusion":
@@ -79,13 +97,38 @@ def operator_of(cloud: "ThinnedCloud", name: str, modes: int, **settings: Any) -
 
 
 def write_map(
-    out: Path, source: "ThinnedCloud", target: "ThinnedCloud", found: "Matching", about: dict[str, Any]
+    out: Path,
+    clouds: tuple["ThinnedCloud", "ThinnedCloud"],
+    names: tuple[str, str],
+    found: "Matching",
+    about: dict[str, Any],
 ) -> "Matching":
-    """Carry a map from the matched points to all points of the files, and save it."""
+    """Carry a map from the matched points to all points of the files, and save it in the format of `out`."""
+    source, target = clouds
     whole = found.extended(source.nearest, source.kept, target.kept, source.stray)
     whole = replace(whole, source_points=source.points, target_points=target.points, about=about)
-    whole.save(out)
+    if out.suffix.lower() == ".npz":
+        whole.save(out)
+    else:
+        from datasets_gen.correspondences.point_map import PointMap
+        from datasets_gen.correspondences.writing import write_map as write_file
+
+        write_file(PointMap(whole.source_to_target, confidence=whole.confidence), out, names=names)
     return whole
+
+
+def show_map(
+    view: Path,
+    clouds: tuple["ThinnedCloud", "ThinnedCloud"],
+    names: tuple[str, str],
+    found: "Matching",
+    operators: tuple["Diffusion | None", "Diffusion | None"],
+) -> None:
+    """Write the page that shows the map between the matched points."""
+    from reports.viewer.view_page import write_view
+    from reports.viewer.views import view_of_map
+
+    write_view(view_of_map((clouds[0].scan, clouds[1].scan), names, found, operators), view)
 
 
 def draw_map(

@@ -1,22 +1,30 @@
 """``medialbench match``: the correspondence of two clouds in files."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.cli.console import Command, Failure, say
+from reports.cli.console import Failure, say
 from reports.cli.map_alternatives import said_of_alternatives, write_alternatives
 from reports.cli.map_options import (
     check_map_outputs,
     draw_map,
     map_options,
+    matcher_settings,
     operator_of,
+    show_map,
     summary,
     write_map,
 )
 from reports.cli.progress import steps
-from reports.cli.set_options import parsed
+from reports.cli.set_options import CommandWithSettings, parsed
+
+if TYPE_CHECKING:
+    from reports.cli.setting_list import Setting
+
+METHOD = "medial"
 
 STEPS = (
     ("reading", 1),
@@ -28,7 +36,23 @@ STEPS = (
 )
 
 
-@click.command(cls=Command, short_help="Match two clouds point by point.")
+def listed(given: Mapping[str, Any]) -> list["Setting"]:
+    """What ``--set`` takes: options of the method, and settings of the matcher where it is one of ours."""
+    from evaluation.methods.catalogue import find
+    from evaluation.methods.spectral import Spectral
+    from reports.cli.setting_list import settings_of
+
+    method = find(given.get("method") or METHOD)
+    own = settings_of(method, ("settings",))
+    return own + matcher_settings() if issubclass(method, Spectral) else own
+
+
+@click.command(
+    cls=CommandWithSettings,
+    listed=listed,
+    about="An option of the method, as config=paper (the settings of Sec. 4) or finalists=4",
+    short_help="Match two clouds point by point.",
+)
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("target", type=click.Path(path_type=Path))
 @map_options
@@ -37,17 +61,9 @@ STEPS = (
 )
 @click.option(
     "--method",
-    default="medial",
+    default=METHOD,
     show_default=True,
     help="Matching method; see medialbench doctor. medial, heat and robust are operator= in Python.",
-)
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="An option of the method, as config=paper (the settings of Sec. 4) or, of the matcher, "
-    "'settings={finalists=4}'; may be repeated.",
 )
 @click.option(
     "--alternatives",
@@ -65,6 +81,7 @@ def match(
     seed: int,
     repair: bool,
     picture: Path | None,
+    view: Path | None,
     method: str,
     settings: tuple[str, ...],
     alternatives: bool,
@@ -74,13 +91,14 @@ def match(
 
     Both are .npz scans; .ply, .obj, .off or .xyz clouds (normals are estimated where there are none); or
     meshes, which are sampled. The map holds source_to_target (for each of source_points an index into
-    target_points), confidence in [0, 1] and landmarks (pairs of such indices). Where the clouds leave open
-    which map is right, as front for back, the probability of the chosen one and of each other is said.
+    target_points), confidence in [0, 1] and landmarks (pairs of such indices); an -o that ends in .txt, .csv,
+    .map, .vts or .mat holds the indices in that format. Where the clouds leave open which map is right, as
+    front for back, the probability of the chosen one and of each other is said.
     """
     from reports.cli.output_paths import default_output
 
     out = out or default_output((source, target), "map")
-    check_map_outputs(out, picture, (source, target))
+    check_map_outputs(out, picture, view, (source, target))
     with steps(quiet, STEPS) as step:
         next(step)
         from reports.cli.cloud_files import read_thinned
@@ -90,7 +108,7 @@ def match(
         from evaluation.methods.base import MethodInput
         from evaluation.methods.catalogue import create, missing
 
-        matcher = create(method, parsed(settings))
+        matcher = create(method, parsed(settings, listed({"method": method})))
         if lacking := missing(method):
             raise Failure(lacking)
         if matcher.uses_truth:
@@ -105,9 +123,13 @@ def match(
         found = matcher.match(sides[0], sides[1], seed=seed)
         next(step)
         about = {"method": method, "seed": seed, "device": device}
-        whole = write_map(out, here, there, found, about)
+        clouds, names = (here, there), (source.name, target.name)
+        whole = write_map(out, clouds, names, found, about)
         if picture is not None:
-            draw_map(picture, (here, there), (source.name, target.name), found)
+            draw_map(picture, clouds, names, found)
+        if view is not None:
+            medial = (sides[0].operators.get("medial"), sides[1].operators.get("medial"))
+            show_map(view, clouds, names, found, medial)
         written: list[Path] = []
         if alternatives:
             written = write_alternatives(out, picture, (here, there), (source, target), found, about)

@@ -71,11 +71,12 @@ def run(
 ) -> None:
     """Scan, match, score and report: run a PRESET or an experiment described by a TOML file.
 
-    PRESET is one of PRESETS. docs/methods.md describes the file.
+    PRESET is one of PRESETS. docs/evaluation.md describes the file.
 
     A folder of RESULTS stands for its experiment.toml, and goes on where it stopped. For meshes of your own:
     medialbench run quick --dataset FOLDER, with --dry-run to see first how long it takes. The preset matching
-    compares every method on five kinds of scans, for hours; some need pip install -e '.[peers]'.
+    compares every method on five kinds of scans, for hours; medialbench doctor says what
+    some of them need.
 
     Results that are stored in the folder already are used again, so the same command goes on after an
     interruption. Ends with the leaderboard and the path of the report.

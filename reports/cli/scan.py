@@ -1,16 +1,34 @@
 """``medialbench scan``: a mesh through the simulated laser scanner."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from reports.cli.console import Command, say
+from reports.cli.console import say
 from reports.cli.preset_names import preset_names
 from reports.cli.progress import steps
-from reports.cli.set_options import merged, value_of
+from reports.cli.set_options import CommandWithSettings, merged, value_of
+
+if TYPE_CHECKING:
+    from reports.cli.setting_list import Setting
 
 
-@click.command(cls=Command, short_help="Scan a mesh with the simulated laser scanner.")
+def listed(given: Mapping[str, Any]) -> list["Setting"]:
+    """What ``--set`` takes."""
+    from reports.cli.setting_list import settings_of
+    from scanner_sim import ScannerConfig
+
+    return settings_of(ScannerConfig)
+
+
+@click.command(
+    cls=CommandWithSettings,
+    listed=listed,
+    about="Another setting of scanner_sim.ScannerConfig, as noise=0.1",
+    short_help="Scan a mesh with the simulated laser scanner.",
+)
 @click.argument("mesh", type=click.Path(path_type=Path))
 @click.option(
     "-o",
@@ -38,13 +56,6 @@ from reports.cli.set_options import merged, value_of
     "--points", type=click.IntRange(min=1), help="Keep this many points, evenly spread.  [default: all]"
 )
 @click.option("--seed", default=0, show_default=True, help="Of the noise and of the even spread.")
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Another setting of scanner_sim.ScannerConfig, as noise=0.1; may be repeated.",
-)
 @click.option("--repair", is_flag=True, help="Go on with the largest component and without degenerate faces.")
 @click.option(
     "--preview",
@@ -57,6 +68,12 @@ from reports.cli.set_options import merged, value_of
     type=click.Path(path_type=Path),
     metavar="DIR",
     help="Also write a 16-bit range image per view, and the cameras (cameras.json, transforms.json).",
+)
+@click.option(
+    "--view",
+    type=click.Path(path_type=Path),
+    metavar="FILE.html",
+    help="Also write a page that shows the scan in 3D, with a slider for the peak threshold.",
 )
 @click.option(
     "--truth",
@@ -76,6 +93,7 @@ def scan(
     repair: bool,
     preview: Path | None,
     range_images: Path | None,
+    view: Path | None,
     truth: Path | None,
     quiet: bool,
 ) -> None:
@@ -93,12 +111,14 @@ def scan(
         check_output_file(preview, (".png", ".pdf", ".svg"), (mesh,))
     if range_images is not None:
         check_output_folder(range_images)
+    if view is not None:
+        check_output_file(view, (".html",), (mesh,))
     if truth is not None:
         check_output_file(truth, (".ply",), (mesh,))
         if truth.absolute() == out.absolute():
             raise click.UsageError(f"--truth and -o are both {str(truth)!r}; choose another name for one")
     chosen_views = None if views is None else value_of(views)
-    given = merged({"views": chosen_views, "peak_threshold": peak_threshold}, settings)
+    given = merged({"views": chosen_views, "peak_threshold": peak_threshold}, settings, listed({}))
     with steps(
         quiet, [("reading the mesh", 1), ("starting the scanner", 2), ("scanning", 10), ("writing", 2)]
     ) as step:
@@ -119,6 +139,11 @@ def scan(
         cloud = whole if points is None else whole.subsample(points, seed)
         next(step)
         cloud.save(out)
+        if view is not None:
+            from reports.viewer.view_page import write_view
+            from reports.viewer.views import view_of_scan
+
+            write_view(view_of_scan(cloud, mesh.name), view)
         if preview is not None:
             scanner_sim.write_contact_sheet(shape, preview, config, seed, attributes=colours)
         if range_images is not None:

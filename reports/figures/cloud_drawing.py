@@ -98,12 +98,35 @@ def carried_colors(
     result = np.tile(to_rgb(ABSENT), (m, 1))
     reached = np.flatnonzero(count)
     result[reached] = total[reached] / count[reached, None]
+    origin = colored_from(source_to_target, target)
+    result[origin >= 0] = result[origin[origin >= 0]]
+    return result
+
+
+def colored_from(source_to_target: NDArray[np.integer], target: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The target point whose colour each target point has: itself if something is mapped to it.
+
+    Else the nearest one within `FILL` spacings to which something is; -1 where there is none.
+
+    Parameters
+    ----------
+    source_to_target : (n,)
+        -1 for no match.
+    target : (m, 3)
+
+    Returns
+    -------
+    (m,) int64
+    """
+    reached, m = np.unique(source_to_target[source_to_target >= 0]), len(target)
+    origin = np.full(m, -1, dtype=np.int64)
+    origin[reached] = reached
     if len(reached) and m > 1:
         spacing = float(np.median(cKDTree(target).query(target, k=2)[0][:, 1]))
         gap, nearest = cKDTree(target[reached]).query(target)
         near = gap <= FILL * spacing
-        result[near] = result[reached[nearest[near]]]
-    return result
+        origin[near] = reached[nearest[near]]
+    return origin
 
 
 def place_cloud(

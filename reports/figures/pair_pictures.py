@@ -15,6 +15,7 @@ from datasets_gen import Collection
 from evaluation.metrics.correspondence import SurfacePoints, correspondence_error
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.results.store import ResultsStore
+from medial import Diffusion, Matching
 from reports.figures.cloud_drawing import ERROR_CAP, DrawnCloud, carried_colors, position_colors
 from reports.figures.method_comparison import MethodPanel, PairPicture
 from reports.figures.style import ABSENT
@@ -38,8 +39,46 @@ class PlacedScan:
         return SurfacePoints(self.scan.face_ids, self.scan.barycentrics)
 
 
+@dataclass(frozen=True)
+class StoredMap:
+    """A map of a results folder: its row of the table, what was found, errors x 100 / sqrt(area), (n,)."""
+
+    row: "pd.Series[Any]"
+    found: Matching
+    errors: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StoredPair:
+    """A pair of scans of a results folder, with the maps of all methods in the order of the tables.
+
+    Attributes
+    ----------
+    source, target : PlacedScan
+    colors : (n, 3) float64
+        Of the source points.
+    diffusions : tuple of Diffusion or None
+        The medial operators of both, where a method used them.
+    maps : tuple of StoredMap
+    unit : float
+        sqrt(area) of the rest pose.
+    """
+
+    source: PlacedScan
+    target: PlacedScan
+    colors: NDArray[np.float64]
+    diffusions: tuple[Diffusion | None, Diffusion | None]
+    maps: tuple[StoredMap, ...]
+    unit: float
+
+    @property
+    def up(self) -> int:
+        """Axis that points upwards."""
+        return "xyz".index(self.source.scan.config.up)
+
+
 class PairMaker:
-    """Makes a `PairPicture` of stored maps; keeps the distances of the data set used last."""
+    """Reads stored pairs of scans; keeps the distances of the last data set."""
 
     def __init__(self, store: ResultsStore) -> None:
         self.store = store
@@ -49,8 +88,8 @@ class PairMaker:
     def _measure(self, dataset: str) -> SurfaceDistance:
         return SurfaceDistance(self._collection(dataset).reference)
 
-    def make(self, rows: pd.DataFrame) -> PairPicture:
-        """The picture of one pair of scans.
+    def read(self, rows: pd.DataFrame) -> StoredPair:
+        """All that is stored of one pair of scans.
 
         Parameters
         ----------
@@ -61,54 +100,36 @@ class PairMaker:
         dataset = str(first["dataset"])
         collection = self._collection(dataset)
         source, target = (self._side(collection, first[f"{name}_scan"]) for name in ("source", "target"))
-        colors = self._source_colors(rows, source)
+        diffusions = self._diffusions(rows)
         by_method = {str(row["method"]): row for _, row in rows.iterrows()}
-        panels = tuple(
-            self._panel(by_method[method], dataset, source, target, colors)
-            for method in order_methods(by_method)
-        )
-        return PairPicture(
-            source=_cloud(first, "source", source),
-            target=_cloud(first, "target", target),
-            source_colors=colors,
-            truth_colors=true_colors(source.rest, target.rest, colors, np.sqrt(collection.reference.area)),
-            panels=panels,
-            up="xyz".index(source.scan.config.up),
+        return StoredPair(
+            source=source,
+            target=target,
+            colors=source_colors(source, diffusions[0]),
+            diffusions=diffusions,
+            maps=tuple(
+                self._map(by_method[method], dataset, source, target) for method in order_methods(by_method)
+            ),
+            unit=float(np.sqrt(collection.reference.area)),
         )
 
     def _side(self, collection: Collection, key: str) -> PlacedScan:
         scan = self.store.scan(key)
         return PlacedScan(scan, collection.reference.at(scan.face_ids, scan.barycentrics))
 
-    def _source_colors(self, rows: pd.DataFrame, source: PlacedScan) -> NDArray[np.float64]:
-        """Colours of the medial centres (Eq. 9) as in the paper; of the points if no method built them."""
-        places = source.scan.points
+    def _diffusions(self, rows: pd.DataFrame) -> tuple[Diffusion | None, Diffusion | None]:
+        """The medial operators of source and target, if a method used them."""
         for key in rows["map_key"]:
-            record = self.store.record("map", str(key)) or {}
-            operator = record.get("inputs", {}).get("source_medial")
-            if operator:
-                places = self.store.operator(operator).centers
-                break
-        low, high = np.quantile(places, [0.01, 0.99], axis=0)
-        return position_colors(places, low, high)
+            inputs = (self.store.record("map", str(key)) or {}).get("inputs", {})
+            source, target = (inputs.get(f"{side}_medial") for side in ("source", "target"))
+            if source is not None:
+                there = None if target is None else self.store.operator(target)
+                return self.store.operator(source), there
+        return None, None
 
-    def _panel(
-        self,
-        row: "pd.Series[Any]",
-        dataset: str,
-        source: PlacedScan,
-        target: PlacedScan,
-        colors: NDArray[np.float64],
-    ) -> MethodPanel:
+    def _map(self, row: "pd.Series[Any]", dataset: str, source: PlacedScan, target: PlacedScan) -> StoredMap:
         found = self.store.matching(str(row["map_key"]))
-        errors = self._errors(dataset, source, target, found.source_to_target)
-        return MethodPanel(
-            title=str(row["method"]),
-            note=error_note(row),
-            target_colors=carried_colors(found.source_to_target, colors, target.scan.points),
-            errors=100 * errors,
-            landmarks=found.landmarks,
-        )
+        return StoredMap(row, found, 100 * self._errors(dataset, source, target, found.source_to_target))
 
     def _errors(
         self, dataset: str, source: PlacedScan, target: PlacedScan, image: NDArray[np.integer]
@@ -122,6 +143,36 @@ class PairMaker:
             self._distance(dataset), source.surface[near], target.surface, image[near], area
         )
         return errors
+
+
+def pair_picture(pair: StoredPair) -> PairPicture:
+    """What is drawn of a pair of scans."""
+    return PairPicture(
+        source=_cloud(pair.maps[0].row, "source", pair.source),
+        target=_cloud(pair.maps[0].row, "target", pair.target),
+        source_colors=pair.colors,
+        truth_colors=true_colors(pair.source.rest, pair.target.rest, pair.colors, pair.unit),
+        panels=tuple(
+            MethodPanel(
+                title=str(each.row["method"]),
+                note=error_note(each.row),
+                target_colors=carried_colors(
+                    each.found.source_to_target, pair.colors, pair.target.scan.points
+                ),
+                errors=each.errors,
+                landmarks=each.found.landmarks,
+            )
+            for each in pair.maps
+        ),
+        up=pair.up,
+    )
+
+
+def source_colors(source: PlacedScan, diffusion: Diffusion | None) -> NDArray[np.float64]:
+    """Colours of the medial centres (Eq. 9) as in the paper; of the points if no method built them."""
+    places = source.scan.points if diffusion is None else diffusion.centers
+    low, high = np.quantile(places, [0.01, 0.99], axis=0)
+    return position_colors(places, low, high)
 
 
 def error_note(row: "pd.Series[Any] | Mapping[str, Any]") -> str:

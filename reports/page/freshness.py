@@ -1,16 +1,16 @@
 """Whether a report is what would be drawn again: then a repeated run need not draw it."""
 
-import json
 from pathlib import Path
 
 from datasets_gen.fingerprints import code_fingerprint, digest, digest_files
+from datasets_gen.parsing import read_note
 from evaluation.results.store import ResultsStore, write_json
 
 PAIRS = 24
 """Pairs drawn by default; a sweep may have thousands."""
 RECORD = "made.json"
-TEMPLATES = ("*.j2", "*.css", "*.js")
-"""Files of this folder that a report is made of besides code."""
+TEMPLATES = ("page/*.j2", "page/*.css", "page/*.js", "viewer/*.css", "viewer/*.js")
+"""Files of this package that a report is made of besides code."""
 
 
 def note_made(store: ResultsStore, folder: Path, pairs: int | None) -> None:
@@ -21,18 +21,15 @@ def note_made(store: ResultsStore, folder: Path, pairs: int | None) -> None:
 
 def is_made(store: ResultsStore, folder: Path, pairs: int | None) -> bool:
     """Whether the report in a folder was made of these results by this code, and is complete."""
-    try:
-        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-        return record["state"] == _state(store, pairs) and all(
-            (folder / f).is_file() for f in record["files"]
-        )
-    except (OSError, ValueError, KeyError, TypeError):
+    record = read_note(folder / RECORD, state=str, files=list)
+    if record is None or record["state"] != _state(store, pairs):
         return False
+    return all(isinstance(file, str) and (folder / file).is_file() for file in record["files"])
 
 
 def _state(store: ResultsStore, pairs: int | None) -> str:
     """Hash of the results, of the code and templates that draw, and of how many pairs are drawn."""
     results = (store.folder / name for name in ("run.json", "table.parquet"))
-    templates = (file for pattern in TEMPLATES for file in Path(__file__).parent.glob(pattern))
+    templates = (file for pattern in TEMPLATES for file in Path(__file__).parents[1].glob(pattern))
     files = digest_files(*templates), digest_files(*(file for file in results if file.is_file()))
     return digest([code_fingerprint("reports.page.report"), files, pairs])

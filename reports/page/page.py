@@ -22,6 +22,7 @@ from reports.tables.columns import (
     filled_columns,
 )
 from reports.tables.completeness import unranked
+from reports.viewer.view_page import REGL, resource
 
 if TYPE_CHECKING:
     from reports.page.pictures import PagePicture
@@ -50,6 +51,8 @@ class PageData:
         By section.
     pairs_left_out : int
         Pairs of scans that were not drawn.
+    aside : set of str
+        Names of the pictures of pairs whose views are in files of their own.
     """
 
     info: Mapping[str, Any]
@@ -60,6 +63,7 @@ class PageData:
     failures: pd.DataFrame
     pictures: "dict[str, list[PagePicture]]" = field(default_factory=dict)
     pairs_left_out: int = 0
+    aside: set[str] = field(default_factory=set)
 
 
 @dataclass(frozen=True)
@@ -93,6 +97,10 @@ def render_page(data: PageData) -> str:
     return template.render(
         style=_resource("report.css"),
         script=_resource("report.js"),
+        regl=resource(REGL),
+        viewer=resource("viewer.js"),
+        viewer_style=resource("viewer.css"),
+        aside=data.aside,
         title=data.settings.get("name", "results"),
         description=data.settings.get("description", ""),
         facts=list(facts(data)),

@@ -3,7 +3,7 @@
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -18,10 +18,12 @@ from evaluation.running.process import hold_interrupts
 from reports.figures.diffusion_error_curves import diffusion_error_curves
 from reports.figures.error_against_missing import error_against_missing
 from reports.figures.method_comparison import method_comparison
-from reports.figures.pair_pictures import PairMaker
+from reports.figures.pair_pictures import PairMaker, pair_picture
 from reports.figures.pck_curves import pck_curves
 from reports.figures.scan_series import ScanView, scan_series
 from reports.figures.style import save
+from reports.viewer.packing import packed
+from reports.viewer.pair_views import view_of_pair
 
 FEW = 8
 """Figures that are drawn without starting processes, which takes some seconds."""
@@ -43,6 +45,10 @@ class PagePicture:
         Inches.
     group : str
         What readers may filter by; empty if alone.
+    error : float
+        Lowest mean error of the maps on it; nan if there are none.
+    view : str
+        The same as a packed scene of the viewer (`reports.viewer.packing`); empty where there is none.
     """
 
     name: str
@@ -50,6 +56,8 @@ class PagePicture:
     caption: str
     width: float
     group: str = ""
+    error: float = float("nan")
+    view: str = ""
 
 
 @dataclass(frozen=True)
@@ -224,12 +232,17 @@ def _scans(store: ResultsStore, dataset: str, views: pd.DataFrame, folder: Path)
 
 
 def _pair(maker: PairMaker, rows: pd.DataFrame, name: str, folder: Path) -> PagePicture:
-    first = rows.iloc[0]
-    figure = method_comparison(maker.make(rows))
+    first, pair = rows.iloc[0], maker.read(rows)
     title = f"{first['dataset']}: {first['source_pose']} → {first['target_pose']}"
     seed = f", seed {first['seed']}" if int(first["seed"]) else ""
     group = f"{first['dataset']}, {first['regime']}"
-    return _saved(figure, folder, name, title, f"{first['regime']}{seed}.", group)
+    found = _saved(
+        method_comparison(pair_picture(pair)), folder, name, title, f"{first['regime']}{seed}.", group
+    )
+    errors = [float(each.row["geodesic_mean"]) for each in pair.maps]
+    return replace(
+        found, error=min(errors), view=packed(view_of_pair(pair, f"{title}, {first['regime']}{seed}"))
+    )
 
 
 def _saved(figure: Figure, folder: Path, name: str, title: str, caption: str, group: str = "") -> PagePicture:

@@ -1,10 +1,12 @@
 """The report: every figure and table of a results folder, and one page that shows them."""
 
+import json
 import os
 from collections.abc import Callable
 from pathlib import Path
 
 from datasets_gen.records import atomic_path
+from evaluation.results.origin import Origin, write_csv
 from evaluation.results.store import ResultsStore
 from reports.page.freshness import PAIRS, note_made
 from reports.page.page import PageData, render_page
@@ -12,6 +14,9 @@ from reports.page.pictures import Drawing, drawn, figure_jobs, pair_groups
 from reports.tables.columns import GROUP, LEADERBOARD, STABILITY, STABILITY_GROUP
 from reports.tables.formats import write_table
 from reports.tables.leaderboard import ceilings, leaderboard, stability_table, with_numpy_types
+
+EMBEDDED = 4_000_000
+"""Bytes of views that are part of the page; what comes after lies beside it."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -43,7 +48,8 @@ def build(
     Returns
     -------
     Path
-        Of ``index.html``. It refers to files beside it only and needs no network.
+        Of ``index.html``. It refers to files beside it only and needs no network. The views of pairs beyond
+        `EMBEDDED` bytes are files beside it, too, which a browser reads when they are asked for.
 
     Raises
     ------
@@ -70,6 +76,7 @@ def build(
             progress(job.label, done + 1, len(todo))
     shown = len(data.pictures.get("pairs", []))
     data.pairs_left_out = len(pair_groups(table[table["kind"] == "matching"])) - shown
+    _write_views(data, folder / "views")
     index = folder / "index.html"
     with atomic_path(index) as temporary:
         temporary.write_text(render_page(data), encoding="utf-8")
@@ -77,12 +84,24 @@ def build(
     return index
 
 
+def _write_views(data: PageData, folder: Path) -> None:
+    """Views that would make the page heavy go into files, which set what the page asks for."""
+    size = 0
+    for picture in data.pictures.get("pairs", []):
+        size += len(picture.view)
+        if picture.view and size > EMBEDDED:
+            data.aside.add(picture.name)
+            with atomic_path(folder / f"{picture.name}.js") as temporary:
+                text = f"window.medialScenes[{json.dumps(picture.name)}] = {json.dumps(picture.view)};\n"
+                temporary.write_text(text, encoding="utf-8")
+
+
 def _write_tables(data: PageData, folder: Path) -> None:
+    origin = Origin.of_run(data.info)
     for name, table, columns, group in (
         ("correspondence", data.leaderboard, LEADERBOARD, GROUP),
         ("stability", data.stability, STABILITY, STABILITY_GROUP),
     ):
         if not table.empty:
-            write_table(table, columns, group, folder, name)
-    with atomic_path(folder / "scores.csv") as temporary:
-        data.table.to_csv(temporary, index=False)
+            write_table(table, columns, group, folder, name, origin)
+    write_csv(data.table, folder / "scores.csv", origin)

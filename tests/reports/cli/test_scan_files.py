@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from datasets_gen.extras import pip_install
 from scanner_sim import Scan, ScannerConfig, presets
 from scanner_sim.output import packages
 from tests.reports.cli.command_line import SMALL, fails, run
@@ -70,5 +71,5 @@ def test_further_formats(suffix, package, mesh_file, tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
     assert out.read_bytes()[:8].startswith(b"ASTM-E57" if suffix == "e57" else b"LASF")
     monkeypatch.setattr(packages, "find_spec", lambda name: None)
-    fails(run("scan", mesh_file, "-o", tmp_path / f"none.{suffix}", *SMALL), "medialbench[exports]")
+    fails(run("scan", mesh_file, "-o", tmp_path / f"none.{suffix}", *SMALL), pip_install("exports"))
     assert not (tmp_path / f"none.{suffix}").exists()

@@ -6,7 +6,7 @@ from matplotlib.colors import to_rgb
 
 from evaluation.results.store import ResultsStore
 from reports.figures.cloud_drawing import ERROR_CAP, carried_colors, error_colors, position_colors
-from reports.figures.pair_pictures import COUNTERPART, PairMaker, error_note, true_colors
+from reports.figures.pair_pictures import COUNTERPART, PairMaker, error_note, pair_picture, true_colors
 from reports.figures.style import ABSENT
 from reports.tables.leaderboard import with_numpy_types
 
@@ -76,7 +76,7 @@ def test_pairs_of_a_store_show_every_method(results):
     store = ResultsStore(results)
     table = with_numpy_types(store.table())
     rows = table[(table["kind"] == "matching") & (table["dataset"] == "blob") & (table["seed"] == 0)]
-    pair = PairMaker(store).make(rows[rows["regime"] == "threshold 0.3"])
+    pair = pair_picture(PairMaker(store).read(rows[rows["regime"] == "threshold 0.3"]))
     assert [panel.title for panel in pair.panels] == ["medial diffusion", "heat kernel"]
     assert pair.source.caption == "rest, τ 0.3, 15 % missing"
     centers = 0.5 * pair.source.points  # what the stored operator holds

@@ -67,6 +67,7 @@ def test_a_dense_plane_has_no_gaps_and_the_background_is_transparent():
     assert (image[:5, :, 3] == 0).all()
 
 
+@pytest.mark.uncompiled
 def test_the_nearer_point_hides_the_farther_one():
     points = np.array([[0.0, 0, 0], [0, 0, 1], [-1, -1, 0], [1, 1, 0]])
     colors = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1]])
@@ -105,6 +106,7 @@ def reference_depth(seen, facing, size, height, width):
     return depth
 
 
+@pytest.mark.uncompiled
 @given(st.integers(0, 10_000))
 @settings(max_examples=15, deadline=None)
 def test_splats_equal_a_slow_renderer(seed):
