@@ -1,7 +1,9 @@
-"""Texts that people write, TOML and JSON, with one kind of error whatever is wrong with them."""
+"""Texts that people write, TOML and JSON, with one kind of error; and notes of the program to itself."""
 
 import json
 import tomllib
+from pathlib import Path
+from types import UnionType
 from typing import Any
 
 from datasets_gen.records import InputError
@@ -34,6 +36,28 @@ def parsed_json(content: str | bytes, where: str) -> Any:
         return json.loads(content if isinstance(content, str) else content.decode("utf-8"))
     except (ValueError, RecursionError) as error:
         raise InputError(f"{where} is not readable JSON ({_why(error)}); correct or remove it") from error
+
+
+def read_note(path: Path, **types: type | UnionType) -> dict[str, Any] | None:
+    """What the program noted for itself in a small JSON file; None if it is to be made again.
+
+    Parameters
+    ----------
+    path
+    **types
+        Of the entries that the note must have, by name; it may have others.
+
+    Returns
+    -------
+    dict or None
+        None if the file is missing or damaged, or lacks an entry or has one of another type.
+    """
+    try:
+        note = parsed_json(path.read_bytes(), repr(str(path)))
+    except (OSError, InputError):
+        return None
+    whole = isinstance(note, dict) and all(isinstance(note.get(name), kind) for name, kind in types.items())
+    return note if whole else None
 
 
 def _why(error: Exception) -> str:

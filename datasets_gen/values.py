@@ -1,8 +1,9 @@
 """Checks of the values that users give: counts, seeds, the types of settings, and arrays of numbers."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
+from difflib import get_close_matches
 from numbers import Integral, Real
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, Self, get_args, get_origin, get_type_hints
@@ -72,7 +73,13 @@ def check_types(cls: Callable[..., Any], values: Mapping[str, Any], what: str = 
         return
     for name, hint in hints.items():
         if name in values and not _fits(values[name], hint):
-            raise InputError(f"{what} {name} must be {_words(hint)}, got {values[name]!r}".lstrip())
+            raise InputError(f"{what} {name} must be {type_words(hint)}, got {values[name]!r}".lstrip())
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """The known name that is most similar, as ``; did you mean 'views'?``; a semicolon if none is similar."""
+    close = get_close_matches(name, list(known), n=1, cutoff=0.5)
+    return f"; did you mean {close[0]!r}?" if close else ";"
 
 
 class CheckedSettings:
@@ -86,7 +93,8 @@ class CheckedSettings:
         known = [each.name for each in fields(cls)]  # type: ignore[arg-type]
         for name in given:
             if name not in known:
-                raise InputError(f"unknown {cls.kind} {name!r}; known are {', '.join(known)}")
+                hint = did_you_mean(name, known)
+                raise InputError(f"unknown {cls.kind} {name!r}{hint} known are {', '.join(known)}")
         return super().__new__(cls)
 
     def check_types(self) -> None:
@@ -123,17 +131,18 @@ def _is_finite(value: Any) -> bool:
         return False
 
 
-def _words(hint: Any) -> str:
+def type_words(hint: Any) -> str:
+    """What a value of a type that `check_types` looks at has to be: ``a whole number or None``."""
     kind, parts = get_origin(hint) or hint, get_args(hint)
     if kind is UnionType:
-        return " or ".join(_words(part) for part in parts)
+        return " or ".join(type_words(part) for part in parts)
     if kind is Literal:
         return f"one of {', '.join(map(repr, parts))}"
     if kind is tuple and Ellipsis not in parts:
-        return f"a list of {len(parts)}, each {_words(parts[0])}"
+        return f"a list of {len(parts)}, each {type_words(parts[0])}"
     if kind is tuple:
         simple = parts[0] in _WORDS or get_origin(parts[0]) is Literal
-        return f"a list, each {_words(parts[0])}" if simple else "a list"
+        return f"a list, each {type_words(parts[0])}" if simple else "a list"
     return "a table" if kind is Mapping else _WORDS[kind]
 
 

@@ -2,17 +2,15 @@
 
 import itertools
 import logging
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
 from datasets_gen.points.normals import pca, spanning_tree
 from datasets_gen.points.outside import outward_field, winding_numbers
 from datasets_gen.points.strays import nearest_kept, stray_points
+from medial.sides import Neighbours
 
 log = logging.getLogger(__name__)
 
@@ -30,14 +28,24 @@ OUTWARD_SHARE = 0.65
 have .99 or more, with noise of a whole spacing .78. From 1 - this on they point inward."""
 FLAT = 1e-6
 """Winding number up to which the surface is a plane."""
-PATCH_NEIGHBOURS, SMALLEST_PATCH, PATCH_SHARE = 6, 20, 0.005
-"""Points of a patch whose side is decided by itself, and their share of all."""
+SEAM = 1.0
+"""Points at seams, over the square root of the number of points, from which sides are compared by seams as
+well: right ones have up to 0.2, with noise of a whole spacing 1.8; a third of a body inward has 2 to 5."""
+DOUBTFUL_SEAM = 2.0
+"""Times as many that are worth saying where nothing is turned."""
+FEWER_SEAMS = 0.5
+"""Share of those points that other sides may leave at seams to be taken."""
 MOST_TURNS = 6
 """Rounds of turning patches."""
 SMALL_TURN = 0.05
 """Share of the points up to which inward patches are turned all at once."""
-ENOUGH_POINTS = 500
+FEWEST_POINTS = 50
 """From here on the planes through neighbours tell whether normals belong to the points."""
+FEW_POINTS = 500
+"""Below this, planes go through fewer neighbours, and fits are compared with a margin for chance."""
+FEW_NEIGHBOURS = 6
+CHANCE = 0.5
+"""That margin is this over the square root of the number of points, some two standard deviations."""
 LEAST_FIT = 0.57
 """Mean cosine between normals and planes' normals: any directions have .5, right ones .8 to 1, and .6 with
 noise of a whole spacing."""
@@ -81,13 +89,6 @@ def estimate_normals(points: Float) -> Float:
     return oriented
 
 
-def disagreement(points: Float, normals: Float) -> float:
-    """Share of pairs of near neighbours whose normals point into opposite half spaces."""
-    count = min(7, len(points))
-    _, neighbours = cKDTree(points).query(points, k=count, workers=thread_count())
-    return float((np.einsum("ij,ikj->ik", normals, normals[neighbours[:, 1:]]) < 0).mean())
-
-
 def check_normals(points: Float, normals: Float) -> Float:
     """Correct normals that do not belong to the points or point inward; each change is a line in the log.
 
@@ -115,9 +116,11 @@ def misfit(points: Float, normals: Float) -> str:
 
     The planes through each point's neighbours tell, whatever side the normals are on.
     """
-    if len(points) < ENOUGH_POINTS:
+    if len(points) < FEWEST_POINTS:
         return ""
-    planes = pca(points, NEIGHBOURS)
+    few = len(points) < FEW_POINTS
+    chance = CHANCE / float(np.sqrt(len(points))) if few else 0.0
+    planes = pca(points, FEW_NEIGHBOURS if few else NEIGHBOURS)
     moments = np.einsum("ni,nj->nij", planes, normals)
     fit, best, axes = _fit(moments, (0, 1, 2), (1, 1, 1)), 0.0, ""
     for order in itertools.permutations(range(3)):
@@ -126,11 +129,11 @@ def misfit(points: Float, normals: Float) -> str:
             if value > best:
                 words = ("-" * (sign < 0) + "xyz"[axis] for axis, sign in zip(order, signs, strict=True))
                 best, axes = value, " ".join(words)
-    if best > max(fit + BETTER_FIT, LEAST_FIT):
+    if best > max(fit + BETTER_FIT + chance, LEAST_FIT):
         return f"their components fit better in the order {axes}: mean cosine {best:.2f}, as given {fit:.2f}"
     if fit < COLOURS_FIT and normals.min() >= 0:
         return f"no component is negative, as of colours; mean cosine to the planes of neighbours {fit:.2f}"
-    if fit < LEAST_FIT:
+    if fit < LEAST_FIT - chance:
         return f"mean cosine to the planes of neighbours {fit:.2f}; any directions have 0.5"
     return ""
 
@@ -154,65 +157,108 @@ def _share(winding: Float) -> float:
     return float((winding > FLAT).mean() + (winding >= -FLAT).mean()) / 2
 
 
+@dataclass(frozen=True)
+class Sides:
+    """Sides that normals may have.
+
+    Attributes
+    ----------
+    turned : (n,) bool
+        Which of the given normals are negated.
+    doubtful : (d,) int64
+        Ids of the points of patches that point neither way.
+    share : float
+        Of positive winding numbers.
+    seams : int
+        Number of points whose normals are opposite to those of neighbours in their tangent plane.
+    """
+
+    turned: NDArray[np.bool_]
+    doubtful: Ids
+    share: float
+    seams: int
+
+
 def turned_outward(points: Float, normals: Float) -> Float:
     """The normals, negated as a whole or on patches if they point inward there; the log says so.
 
     A patch is a connected part of the surface on which neighbouring normals agree. If patches point inward
-    after all, or signs look random, the sides that the whole cloud (`outward_field`) and a spanning tree vote
-    for are tried as well; what has the largest share of positive winding numbers is taken.
+    after all, signs look random, or patches meet at long seams, across which normals are opposite, other
+    sides are tried as well: those that the whole cloud (`outward_field`) and a spanning tree vote for, and
+    those without seams.
     """
-    patches = _patches(points, normals)
-    winding = winding_numbers(points, normals)
+    near, winding = Neighbours.of(points), winding_numbers(points, normals)
+    patches, opposite = near.patches(normals), near.disagreement(normals)
     start = np.full(len(points), _share(winding) < 1 / 2)
-    found = [_settled(points, normals, patches, start, -winding if start.all() else winding)]
-    opposite = disagreement(points, normals)
-    unclear = opposite > DISAGREEING or found[0][2] < OUTWARD_SHARE or len(found[0][1]) > 0
-    if unclear or (found[0][0] != start).any():
+    first = _settled(near, normals, patches, start, -winding if start.all() else winding)
+    unclear = opposite > DISAGREEING or first.share < OUTWARD_SHARE or len(first.doubtful) > 0
+    long = SEAM * float(np.sqrt(len(points)))
+    best = first
+    if unclear or first.seams > long or (first.turned != start).any():
         tree = spanning_tree(points, normals, min(NEIGHBOURS, len(points) - 1))
         against = np.einsum("ij,ij->i", tree, normals) < 0
-        voted = _voted(points, normals, patches)
-        found += [_settled(points, normals, patches, each, None) for each in (~start, voted)]
-        found += [_settled(points, normals, [], against, None)]
-    best = max(found, key=lambda each: each[2])
-    turned, doubtful, share = best if best[2] > found[0][2] + WORTH_IT else found[0]
-    if not turned.any() and opposite > DISAGREEING:
+        voted, seamless = _voted(points, normals, patches), near.without_seams(normals, patches)
+        others = [_settled(near, normals, patches, each) for each in (~start, voted)]
+        others += [_settled(near, normals, [], each) for each in (against, seamless, ~seamless)]
+        best = _better(first, others, long)
+    if not best.turned.any() and opposite > DISAGREEING:
         log.warning("%.0f %% of neighbouring normals point opposite ways", 100 * opposite)
-    if share < OUTWARD_SHARE and not len(doubtful):
-        doubtful = np.arange(len(points))
-    if len(doubtful):
-        log.warning("the side of %d of %d normals is in doubt", len(doubtful), len(points))
-    if not turned.any():
+    elif best.seams > DOUBTFUL_SEAM * long:
+        log.warning("%d of %d normals are opposite to their neighbours' beside them", best.seams, len(points))
+    doubtful = len(points) if best.share < OUTWARD_SHARE and not len(best.doubtful) else len(best.doubtful)
+    if doubtful:
+        log.warning("the side of %d of %d normals is in doubt", doubtful, len(points))
+    if not best.turned.any():
         return normals
-    log.warning("%d of %d normals point inward: flipped", turned.sum(), len(points))
-    return np.where(turned[:, None], -normals, normals)
+    seam = f"; {first.seams} were opposite to their neighbours' beside them" if first.seams > long else ""
+    log.warning("%d of %d normals point inward: flipped%s", best.turned.sum(), len(points), seam)
+    return _with(best.turned, normals)
+
+
+def _better(first: Sides, others: list[Sides], long: float) -> Sides:
+    """The sides with the largest share of positive winding numbers, unless those of `first` are as good.
+
+    Of sides with long seams and sides that are as good with far fewer of them, the latter: a cap of a sphere
+    sees positive winding numbers even where it points inward.
+    """
+    best = max([first, *others], key=lambda each: each.share)
+    best = best if best.share > first.share + WORTH_IT else first
+    fewest = min(
+        (each for each in [best, *others] if each.share > best.share - WORTH_IT),
+        key=lambda each: (each.seams, -each.share),
+    )
+    return fewest if best.seams > long and fewest.seams < FEWER_SEAMS * best.seams else best
 
 
 def _settled(
-    points: Float, normals: Float, patches: list[Ids], turned: NDArray[np.bool_], winding: Float | None
-) -> tuple[NDArray[np.bool_], Ids, float]:
-    """Turn patches that point inward, the largest first, until there are none.
-
-    Returns
-    -------
-    turned : (n,) bool
-    doubtful : ids of the points of patches that point neither way
-    share : float
-        Of positive winding numbers.
-    """
+    near: Neighbours,
+    normals: Float,
+    patches: list[Ids],
+    turned: NDArray[np.bool_],
+    winding: Float | None = None,
+) -> Sides:
+    """Turn patches that point inward, the largest first, until there are none."""
     turned = turned.copy()
     for step in range(MOST_TURNS):
         if step or winding is None:
-            winding = winding_numbers(points, np.where(turned[:, None], -normals, normals))
+            winding = winding_numbers(near.points, _with(turned, normals))
         inward = [ids for ids in patches if _share(winding[ids]) < 1 - OUTWARD_SHARE]
         if not inward or step == MOST_TURNS - 1:
             break
         largest = max(map(len, inward))
         for ids in inward:  # the largest alone, or all that are small: those hardly feel each other
-            if len(ids) == largest or largest < SMALL_TURN * len(points):
+            if len(ids) == largest or largest < SMALL_TURN * len(turned):
                 turned[ids] = ~turned[ids]
     assert winding is not None
     doubtful = [ids for ids in patches if _share(winding[ids]) < OUTWARD_SHARE]
-    return turned, np.concatenate([*doubtful, np.empty(0, np.int64)]), _share(winding)
+    seams = near.rows[near.at_seams(_with(turned, normals))]
+    doubtful_ids = np.concatenate([*doubtful, np.empty(0, np.int64)])
+    return Sides(turned, doubtful_ids, _share(winding), len(np.unique(seams)))
+
+
+def _with(turned: NDArray[np.bool_], normals: Float) -> Float:
+    """The normals, some of them negated."""
+    return np.where(turned[:, None], -normals, normals)
 
 
 def _voted(points: Float, normals: Float, patches: list[Ids]) -> NDArray[np.bool_]:
@@ -222,24 +268,3 @@ def _voted(points: Float, normals: Float, patches: list[Ids]) -> NDArray[np.bool
     for ids in patches:
         turned[ids] = against[ids].mean() > 0.5
     return turned
-
-
-def _patches(points: Float, normals: Float) -> list[Ids]:
-    """Point ids of every connected part of the surface on which neighbouring normals agree, if large enough.
-
-    Neighbours on opposite sheets of a thin part are no neighbours here.
-    """
-    n = len(points)
-    count = min(PATCH_NEIGHBOURS, n - 1) + 1
-    gap, near = cKDTree(points).query(points, k=count, workers=thread_count())
-    rows = np.repeat(np.arange(n), count - 1)
-    columns, gap = near[:, 1:].ravel(), gap[:, 1:].ravel()
-    offset = points[columns] - points[rows]
-    agree = np.einsum("ij,ij->i", normals[rows], normals[columns]) > 0.5
-    agree &= np.abs(np.einsum("ij,ij->i", offset, normals[rows])) < 0.5 * gap
-    edges = (np.ones(agree.sum()), (rows[agree], columns[agree]))
-    label = connected_components(coo_array(edges, shape=(n, n)), directed=False)[1]
-    order = np.argsort(label, kind="stable")
-    parts = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
-    least = max(SMALLEST_PATCH, PATCH_SHARE * n)
-    return [part for part in parts if len(part) >= least]

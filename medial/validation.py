@@ -61,6 +61,22 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     return checked
 
 
+def without_direction(normals: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """Which of (n, 3) normals are zero or not finite."""
+    lengths = np.linalg.norm(normals, axis=1)
+    return np.asarray(~np.isfinite(lengths) | (lengths == 0))
+
+
+def check_directions(normals: NDArray[np.floating], name: str = "the cloud") -> None:
+    """Raise InputError if some of (n, 3) normals are zero or not finite; `name` is for the message."""
+    bad = without_direction(normals)
+    if bad.any():
+        raise InputError(
+            f"{name} has {bad.sum()} normals that are zero or not finite, the first number {bad.argmax()}; "
+            "give unit outward normals, or none at all: then they are estimated"
+        )
+
+
 def unit_normals(points: NDArray[np.float64], normals: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return the normals of (n, 3) points as (n, 3) float64 of length 1.
 
@@ -74,13 +90,8 @@ def unit_normals(points: NDArray[np.float64], normals: NDArray[np.floating]) -> 
         raise InputError(
             f"normals have shape {normals.shape}, points {points.shape}; give one normal per point"
         )
+    check_directions(normals)
     lengths = np.linalg.norm(normals, axis=1)
-    bad = ~np.isfinite(lengths) | (lengths == 0)
-    if bad.any():
-        raise InputError(
-            f"{bad.sum()} normals are zero or not finite, the first is number {bad.argmax()}; "
-            "give unit outward normals, or none at all: then they are estimated"
-        )
     if np.abs(lengths - 1).max() > 1e-3:
         log.warning("normals are not unit (lengths %.3g to %.3g): normalised", lengths.min(), lengths.max())
     return normals / lengths[:, None]

@@ -1,7 +1,7 @@
 """The one way in which the project reads and writes mesh files."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from datasets_gen.checks import admitted, scannable
+from datasets_gen.meshes.bad_lines import bad_line
 from datasets_gen.records import InputError, atomic_path
 from datasets_gen.shape import Shape
 
@@ -52,14 +53,18 @@ def read_mesh(path: str | os.PathLike[str], subject: str | None = None, units: s
         raise InputError(
             f"{str(path)!r} is cut short or no {file.suffix} mesh ({reason}); export it again"
         ) from error
-    if len(getattr(mesh, "faces", ())) == 0:  # a point cloud or a path
-        raise InputError(f"{str(path)!r} has no faces; a point cloud cannot be scanned, give a mesh")
     subject = subject or file.stem
     name = file.stem if subject == file.stem else f"{subject}/{file.stem}"
-    vertices = np.array(mesh.vertices, dtype=np.float64)
+    vertices, faces = np.array(getattr(mesh, "vertices", np.zeros((0, 3)))), getattr(mesh, "faces", ())
     if vertices.ndim != 2 or vertices.shape[1] != 3:
-        raise InputError(f"{str(path)!r} has vertices of shape {vertices.shape}, not (v, 3); export it again")
-    return Shape(vertices, np.array(mesh.faces, dtype=np.int32), name, subject, file.stem, units)
+        why = bad_line(file) or f"vertices of shape {vertices.shape}, not (v, 3)"
+        raise InputError(f"{str(path)!r} cannot be used ({why}); export it again")
+    check_rows(file, vertices, faces)
+    if len(faces) == 0:  # a point cloud or a path
+        raise InputError(f"{str(path)!r} has no faces; a point cloud cannot be scanned, give a mesh")
+    return Shape(
+        vertices.astype(np.float64), np.array(faces, dtype=np.int32), name, subject, file.stem, units
+    )
 
 
 def _parsed(content: bytes, kind: str) -> Any:
@@ -100,22 +105,27 @@ def _corner(text: bytes) -> int:
 
 
 def why_unreadable(file: Path, error: Exception) -> str:
-    """Why a parser failed: the first bad line of an OBJ, else the first line of what the parser says."""
-    said = str(error).splitlines()[0] if str(error) else type(error).__name__
-    if file.suffix.lower() != ".obj":
-        return said
-    kinds: dict[bytes, Callable[[bytes], float]] = {b"v": float, b"vn": float, b"f": _corner}
-    for number, line in enumerate(file.read_bytes().splitlines(), 1):
-        word, *values = line.partition(b"#")[0].split() or [b""]
-        if word not in kinds:
-            continue
-        try:
-            count = len([kinds[word](value) for value in values])
-        except ValueError as wrong:
-            return f"line {number}: {wrong}"
-        if count < 3:
-            return f"line {number}: {count} numbers where three are needed"
-    return said
+    """Why a parser failed: the first bad line of a file in text, else what the parser says."""
+    return bad_line(file) or (str(error).splitlines()[0] if str(error) else type(error).__name__)
+
+
+def check_rows(file: Path, vertices: Any, faces: Any = ()) -> None:
+    """Raise InputError, with the line, for a file in text that a parser has read and that is wrong.
+
+    Parsers leave out rows that are missing or too short, and take any number for a vertex.
+
+    Parameters
+    ----------
+    file
+    vertices : (v, 3)
+        As read.
+    faces : (f, 3), optional
+    """
+    corners = np.asarray(faces)
+    lost = corners.size and (corners.min() < 0 or corners.max() >= len(vertices))
+    wrong = bad_line(file, thorough=bool(lost) or not np.isfinite(vertices).all())
+    if wrong:
+        raise InputError(f"{str(file)!r} cannot be used ({wrong}); export it again")
 
 
 def load_mesh(

@@ -138,8 +138,8 @@ def spanning_tree(
         If there are not more points than neighbours.
     """
     n = len(points)
-    columns = _nearest(points, neighbours)[:, 1:].ravel()
-    rows = np.repeat(np.arange(n), neighbours)
+    columns = _nearest(points, neighbours)[:, 1:].ravel().astype(np.int32)  # as SciPy wants them
+    rows = np.repeat(np.arange(n, dtype=np.int32), neighbours)
     agreement = np.abs(np.einsum("ij,ij->i", normals[rows], normals[columns]))
     weights = 1.0 + 1e-6 - agreement  # explicit zeros would be no edges
     graph = csr_array((weights, (rows, columns)), shape=(n, n))

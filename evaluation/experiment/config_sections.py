@@ -9,6 +9,9 @@ from evaluation.experiment.toml_tables import expect, expect_distinct, reject_un
 from medial.operator import OPERATORS
 from medial.validation import FEWEST_POINTS
 
+SURFACE = "surface"
+"""Instead of viewpoints: the mesh of a pose is sampled as it is, without the scanner."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class DatasetSection:
@@ -42,7 +45,8 @@ class ScanCondition:
     threshold: float = 0.3
     """Smallest accepted fitted peak, tau, in (0, 1]."""
     views: Any = 6
-    """Viewpoints, as `scanner_sim.ScannerConfig.views`."""
+    """Viewpoints, as `scanner_sim.ScannerConfig.views`; or ``"surface"``: the mesh itself is sampled, without
+    scanner and threshold, as for parts that are partial already."""
     points: int = 8000
     """Points kept by farthest-point sampling; a scan with fewer keeps all."""
     scanner: Mapping[str, Any] = field(default_factory=dict)
@@ -84,7 +88,7 @@ class Regime:
 
 @dataclass(frozen=True, kw_only=True)
 class OperatorsSection:
-    """OperatorsSection that spectral methods share; each is built once per cloud."""
+    """Operators that spectral methods share; each is built once per cloud."""
 
     modes: int = 300
     """Eigenpairs kept."""

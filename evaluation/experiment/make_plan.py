@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from datasets_gen.collections.layouts import files_read
 from datasets_gen.fingerprints import digest_files, seed_of
 from datasets_gen.records import InputError
 from datasets_gen.registry import names
-from evaluation.experiment.config_sections import DatasetSection, MethodSection, Regime
+from evaluation.experiment.config_sections import SURFACE, DatasetSection, MethodSection, Regime
 from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.plan import Plan, PlannedRow
 from evaluation.experiment.subject_plan import SubjectPlan, operator_options, scanner_settings
@@ -33,9 +34,9 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
         folder = Path(dataset.name)
         if not folder.is_dir():
             reject_unknown([dataset.name], names(), "experiment", "data set (and no folder of that name)")
-        files = [path for path in folder.iterdir() if path.is_file()] if folder.is_dir() else []
+        files = files_read(folder) if folder.is_dir() else []
         spec = {"name": str(folder.resolve()) if files else dataset.name, "options": dict(dataset.options)}
-        code = digest_files(*files) if files else ""
+        code = digest_files(*files, root=folder) if files else ""
         identity = {**spec, "name": name} if files else spec
         task = Task.of("shape", identity, {}, name, code)
         found[name] = Task(task.key, task.stage, spec, task.inputs, task.label)
@@ -43,9 +44,11 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
 
 
 def display_name(dataset: DatasetSection) -> str:
-    """Name of a data set in tables: folders go by their last part."""
+    """Name of a data set in tables: folders go by their last part, and the subject if one is chosen."""
     path = Path(dataset.name)
-    return path.resolve().name if path.is_dir() else dataset.name
+    if not path.is_dir():
+        return dataset.name
+    return "-".join([path.resolve().name, *([str(s)] if (s := dataset.options.get("subject")) else [])])
 
 
 def make_plan(
@@ -96,6 +99,8 @@ def _check(experiment: Experiment) -> None:
     conditions = [condition for _, condition in experiment.stability_conditions()]
     conditions += [condition for each in experiment.regimes() for condition in (each.source, each.target)]
     for condition in conditions:
+        if condition.views == SURFACE:
+            continue
         reject_unknown(condition.scanner, [*(f.name for f in fields(ScannerConfig)), presets.KEY], "scanner")
         ScannerConfig.from_dict(scanner_settings(condition))
     known = [f.name for f in fields(Operator) if f.name not in ("operator", "modes")]

@@ -5,7 +5,7 @@ from typing import Any
 
 from datasets_gen.fingerprints import seed_of
 from datasets_gen.records import InputError
-from evaluation.experiment.config_sections import DatasetSection, ScanCondition
+from evaluation.experiment.config_sections import SURFACE, DatasetSection, ScanCondition
 from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.plan import Plan
 from evaluation.experiment.tasks import Task
@@ -76,14 +76,17 @@ class SubjectPlan:
 
     def cloud(self, pose: str, condition: ScanCondition, seed: int) -> str:
         """The cloud that a condition makes of a pose."""
-        spec = {
+        spec: dict[str, Any] = {
             "pose": pose,
-            "threshold": condition.threshold,
             "points": condition.points,
             "rotation": condition.rotation,
             "scale": condition.scale,
             "seed": seed_of("cloud", self.subject, pose, seed),
         }
+        if condition.views == SURFACE:
+            label = f"{self.name} {pose} surface"
+            return self.plan.add(Task.of("scan", {**spec, "surface": True}, {"shape": self.shape}, label))
+        spec["threshold"] = condition.threshold
         inputs = {"shape": self.shape, "render": self.render(pose, condition, seed)}
         return self.plan.add(Task.of("scan", spec, inputs, f"{self.name} {pose} tau {condition.threshold}"))
 

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from datasets_gen.records import InputError
-from datasets_gen.values import check_types
+from datasets_gen.values import check_types, did_you_mean
 
 T = TypeVar("T")
 
@@ -22,8 +21,7 @@ def reject_unknown(given: Iterable[str], known: Iterable[str], where: str, what:
     valid = sorted(known)
     for name in given:
         if name not in valid:
-            nearest = get_close_matches(str(name), valid, n=1, cutoff=0.5)
-            hint = f"; did you mean {nearest[0]!r}?" if nearest else ";"
+            hint = did_you_mean(str(name), valid)
             raise InputError(f"{where}: unknown {what} {name!r}{hint} valid: {', '.join(valid)}")
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from datasets_gen.extras import pip_install
 from datasets_gen.fingerprints import code_fingerprint
 from datasets_gen.records import InputError
 from evaluation.experiment.toml_tables import reject_unknown
@@ -76,8 +77,10 @@ def missing(name: str) -> str:
     lacking = {module: pip for module, pip in find(name).requires.items() if find_spec(module) is None}
     if not lacking:
         return ""
-    packages = "-e '.[peers]'" if name in METHODS else " ".join(dict.fromkeys(lacking.values()))
-    return f"method {name!r} needs {', '.join(lacking)}: pip install {packages}"
+    command = pip_install("peers")
+    if name not in METHODS:
+        command = f"pip install {' '.join(dict.fromkeys(lacking.values()))}"
+    return f"method {name!r} needs {', '.join(lacking)}: {command}"
 
 
 def method_version(name: str, method: Method) -> str:

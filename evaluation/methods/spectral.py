@@ -10,6 +10,9 @@ from medial import Departures, MatchConfig, Matching, match
 from medial.departures import ALL_DEPARTURES
 from medial.operator import OPERATORS
 
+SETTINGS = tuple(each.name for each in fields(MatchConfig))
+"""Of the matcher: options of these methods by themselves, or together as `Spectral.settings`."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Spectral(Method):
@@ -24,6 +27,31 @@ class Spectral(Method):
     settings: Mapping[str, Any] = field(default_factory=dict)
     """Fields of `medial.MatchConfig` over those of `config`; departures are those of the operators."""
 
+    @classmethod
+    def from_options(cls, options: Mapping[str, Any]) -> "Spectral":
+        """The method with its options, among which settings of the matcher may stand by themselves.
+
+        Raises
+        ------
+        InputError
+            If an option is unknown, given twice, or refused.
+        """
+        own = {each.name for each in fields(cls)}
+        loose = {name: value for name, value in options.items() if name not in own}
+        reject_unknown(loose, own | set(SETTINGS), f"method {cls.__name__}")
+        within = options.get("settings", {})
+        for name in loose:
+            expect(
+                not isinstance(within, Mapping) or name not in within,
+                f"method {cls.__name__}: {name} is given twice, once in settings; give it once",
+            )
+        table = {name: value for name, value in options.items() if name in own}
+        if loose and isinstance(within, Mapping):
+            table["settings"] = {**within, **loose}
+        made = super().from_options(table)
+        assert isinstance(made, cls)
+        return made
+
     def __post_init__(self) -> None:
         """Check the settings now, not hours into a sweep."""
         reject_unknown([self.operator], OPERATORS, "method", "operator")
@@ -33,7 +61,7 @@ class Spectral(Method):
             "departures belong to the operators, not to a method's settings: "
             "give departures at the top of the experiment, or match --departures",
         )
-        reject_unknown(self.settings, [f.name for f in fields(MatchConfig)], "method settings")
+        reject_unknown(self.settings, SETTINGS, "method settings")
         self.match_config()
 
     @property

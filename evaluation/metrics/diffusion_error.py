@@ -161,7 +161,12 @@ def diffusion_error(
 
 
 def kernel_error(here: NDArray[np.float64], there: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Eq. 18: the error in medial diffusion, term by term; their mean over the times is E(P, Q).
+    r"""Eq. 18: the error in medial diffusion, term by term; their mean over the times is E(P, Q).
+
+    .. math::
+
+        E(P, Q) = \frac{1}{|C|\, |T|} \sum_{t \in T}
+        \left( \sum_{(x, y) \in C} |m_t(x, y) - m_t(f(x), f(y))|^2 \right)^{1/2}
 
     As written, a term is the norm over the pairs divided by their number, so that it falls as 1 / sqrt(|C|):
     values compare at one |C| only.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.correspondences.point_map import PointMap
-from datasets_gen.placement import Placement
+from datasets_gen.mesh_placement import MeshPlacement
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 from evaluation.metrics.correspondence import (
@@ -154,7 +154,7 @@ def truth_of_pair(source: PointMap, target: PointMap, vertices: int) -> PointMap
 def places(points: PointMap, target: Shape, picked: NDArray[np.integer]) -> SurfacePoints:
     """Where some rows of a map, all of them matched, lie on the target."""
     if points.weights is None:
-        found = Placement.of_vertices(points.ids[picked], target)
+        found = MeshPlacement.of_vertices(points.ids[picked], target)
         return SurfacePoints(found.face_ids, found.barycentrics)
     weights = np.clip(points.weights[picked], 0, None)
     return SurfacePoints(points.ids[picked], weights / weights.sum(axis=1, keepdims=True))

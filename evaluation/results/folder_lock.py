@@ -6,7 +6,7 @@ import platform
 from collections.abc import Iterator
 from pathlib import Path
 
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, cannot_write
 
 
 @contextlib.contextmanager
@@ -33,9 +33,7 @@ def lock_folder(folder: Path) -> Iterator[None]:
         who = _text(holder) or "another process"
         raise InputError(f"{str(folder)!r} is in use by {who}; wait, or use another folder") from error
     except OSError as error:
-        raise InputError(
-            f"cannot write {str(folder)!r}: {error.strerror}; choose a folder you can write to"
-        ) from error
+        raise cannot_write(folder, error) from error
     with held:
         with contextlib.suppress(OSError):
             holder.write_text(f"process {os.getpid()} on {platform.node()}", encoding="utf-8")

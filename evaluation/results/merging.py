@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from datasets_gen.records import InputError, atomic_path
 from evaluation.experiment.experiment import Experiment
 from evaluation.results.folder_lock import lock_folder
+from evaluation.results.origin import Origin, write_csv, write_parquet
 from evaluation.results.result_files import FOLDERS
 from evaluation.results.store import FORMAT, ResultsStore
 from evaluation.results.table import COLUMNS
@@ -63,8 +64,9 @@ def merge_results(folders: Sequence[str | os.PathLike[str]], out: str | os.PathL
             _link(store, target)
         with atomic_path(target / "experiment.toml") as temporary:
             temporary.write_text(experiment.to_toml(), encoding="utf-8")
-        _write_tables(stores, table, target)
-        ResultsStore(target).write_run_info(_joint_info(stores, experiment, len(table)))
+        info = _joint_info(stores, experiment, len(table))
+        _write_tables(stores, table, target, Origin.of_run(info))
+        ResultsStore(target).write_run_info(info)
     return ResultsStore(target)
 
 
@@ -124,18 +126,15 @@ def _link_file(path: Path, goal: Path) -> None:
             shutil.copyfile(path, temporary)
 
 
-def _write_tables(stores: list[ResultsStore], table: "pd.DataFrame", target: Path) -> None:
+def _write_tables(stores: list[ResultsStore], table: "pd.DataFrame", target: Path, origin: Origin) -> None:
     """The joint table, and the failures that no folder made good."""
     import pandas as pd
 
     failures = pd.concat([store.failures() for store in stores], ignore_index=True).drop_duplicates("key")
     made = {path.stem for name in FOLDERS.values() for path in (target / name).glob("*.json")}
-    with atomic_path(target / "failures.csv") as temporary:
-        failures[~failures["key"].isin(made)].to_csv(temporary, index=False)
-    with atomic_path(target / "table.parquet") as temporary:
-        table.to_parquet(temporary)
-    with atomic_path(target / "table.csv") as temporary:
-        table.to_csv(temporary, index=False)
+    write_csv(failures[~failures["key"].isin(made)], target / "failures.csv", origin)
+    write_parquet(table, target / "table.parquet", origin)
+    write_csv(table, target / "table.csv", origin)
 
 
 def _joint_info(stores: list[ResultsStore], experiment: Experiment, rows: int) -> dict[str, Any]:
@@ -146,6 +145,7 @@ def _joint_info(stores: list[ResultsStore], experiment: Experiment, rows: int) -
     return {
         "format": FORMAT,
         "experiment": experiment.name,
+        "config_hash": Origin.of(experiment.name, experiment.as_dict()).config_hash,
         "seeds": list(experiment.seeds),
         "datasets": datasets,
         "rows": rows,

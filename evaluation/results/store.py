@@ -13,11 +13,12 @@ what is damaged again. Results of earlier versions have no checksums: there the 
 checksums count. The record holds settings, keys of inputs, versions of libraries, time and memory.
 """
 
+import contextlib
 import json
 import os
 import platform
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,11 +26,11 @@ from datasets_gen import Collection, InputError
 from datasets_gen.collections.folder import code_version
 from datasets_gen.fingerprints import library_versions
 from datasets_gen.parsing import parsed_toml
-from datasets_gen.records import atomic_path
+from datasets_gen.records import atomic_path, leftovers
 from evaluation.experiment.tasks import STAGES, Task
 from evaluation.results.integrity import checksum, sealed, unsealed
 from evaluation.results.outcome import Outcome
-from evaluation.results.result_files import ResultFiles
+from evaluation.results.result_files import FOLDERS, ResultFiles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -208,7 +209,7 @@ class ResultsStore(ResultFiles):
             "label": task.label,
             "spec": task.spec,
             "inputs": task.inputs,
-            "versions": _versions(task.stage),
+            "versions": dict(_versions(STAGES[task.stage])),
             "seconds": seconds,
             "cpu_seconds": cpu_seconds,
             "peak_memory_mb": memory_mb,
@@ -218,6 +219,18 @@ class ResultsStore(ResultFiles):
         }
         write_json(self.file(task.stage, task.key, ".json"), sealed(record))
         (self.folder / "failures" / f"{task.key}.json").unlink(missing_ok=True)
+
+    def remove_leftovers(self) -> None:
+        """Remove what killed runs have left: temporary files, and notes of tasks that ran.
+
+        Only for who holds the folder's lock.
+        """
+        found = [
+            each for name in ("", "failures", *FOLDERS.values()) for each in leftovers(self.folder / name)
+        ]
+        for path in [*found, *(self.folder / "running").glob("*")]:
+            with contextlib.suppress(OSError):
+                path.unlink()
 
     def write_run_info(self, info: Mapping[str, Any]) -> None:
         """Write ``run.json``, the last file of a run, with checksums of those that were merged before it."""
@@ -236,10 +249,11 @@ class ResultsStore(ResultFiles):
         write_json(self.folder / "failures" / f"{task.key}.json", note)
 
 
-def _versions(stage: str) -> dict[str, str]:
-    """Of Python, of this program and of the libraries that a stage computes with."""
+@cache
+def _versions(module: str) -> dict[str, str]:
+    """Of Python, of this program and of the libraries that a stage's module computes with."""
     own = {"python": platform.python_version(), "medialbench": code_version()}
-    return own | library_versions(STAGES[stage])
+    return own | library_versions(module)
 
 
 def write_json(path: Path, value: Any) -> None:

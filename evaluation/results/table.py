@@ -4,8 +4,8 @@ import logging
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from datasets_gen.records import atomic_path
 from evaluation.experiment.plan import Plan
+from evaluation.results.origin import Origin, write_csv, write_parquet
 from evaluation.results.outcome import Outcome
 from evaluation.results.store import ResultsStore
 
@@ -71,7 +71,9 @@ COLUMNS: dict[str, str] = {
 """Columns and their types. Lengths are in sqrt(area of the reference), times 100; shares are in [0, 1]."""
 
 
-def write_tables(store: ResultsStore, plan: Plan, failures: Iterable[Outcome]) -> "pd.DataFrame":
+def write_tables(
+    store: ResultsStore, plan: Plan, failures: Iterable[Outcome], origin: Origin
+) -> "pd.DataFrame":
     """Write ``table.parquet``, ``table.csv`` and ``failures.csv``; rows are in the order of the plan.
 
     Parameters
@@ -81,6 +83,8 @@ def write_tables(store: ResultsStore, plan: Plan, failures: Iterable[Outcome]) -
         Rows without a stored score are left out.
     failures
         Tasks without a result.
+    origin
+        Written into each file.
 
     Returns
     -------
@@ -91,10 +95,8 @@ def write_tables(store: ResultsStore, plan: Plan, failures: Iterable[Outcome]) -
 
     rows = [found for row in plan.rows if (found := _row(store, plan, row.columns, row.score)) is not None]
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
-    with atomic_path(store.folder / "table.parquet") as temporary:
-        table.to_parquet(temporary)
-    with atomic_path(store.folder / "table.csv") as temporary:
-        table.to_csv(temporary, index=False)
+    write_parquet(table, store.folder / "table.parquet", origin)
+    write_csv(table, store.folder / "table.csv", origin)
     lines = [
         {
             "key": each.task.key,
@@ -105,10 +107,8 @@ def write_tables(store: ResultsStore, plan: Plan, failures: Iterable[Outcome]) -
         }
         for each in failures
     ]
-    with atomic_path(store.folder / "failures.csv") as temporary:
-        pd.DataFrame(lines, columns=["key", "stage", "label", "kind", "reason"]).to_csv(
-            temporary, index=False
-        )
+    failed = pd.DataFrame(lines, columns=["key", "stage", "label", "kind", "reason"])
+    write_csv(failed, store.folder / "failures.csv", origin)
     return table
 
 

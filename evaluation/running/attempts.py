@@ -6,11 +6,13 @@ when its process ended may have had bad luck, such as a neighbour that took all 
 with no other task beside it.
 """
 
+import contextlib
 import faulthandler
-import json
 import os
 from pathlib import Path
 
+from datasets_gen.parsing import read_note
+from datasets_gen.records import cannot_write
 from evaluation.experiment.tasks import Task
 from evaluation.results.store import write_json
 
@@ -46,13 +48,10 @@ class Attempt:
 
         The kind is `AGAIN` if one more attempt is due, alone; None if this attempt can be made.
         """
-        try:
-            note = json.loads(self._note.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        note = read_note(self._note, run=str, attempt=int)
+        if note is None or note["run"] != self._run:
             return None
-        if note.get("run") != self._run:
-            return None
-        self._count = int(note["attempt"])
+        self._count = note["attempt"]
         dump = self._dumped()
         if dump.startswith("Timeout"):
             self.clear()
@@ -79,7 +78,11 @@ class Attempt:
 
     def __enter__(self) -> None:
         write_json(self._note, {"run": self._run, "attempt": self._count + 1, "pid": os.getpid()})
-        self._stream = self._dump.open("w", encoding="utf-8")
+        try:
+            self._stream = self._dump.open("w", encoding="utf-8")
+        except OSError as error:
+            self.clear()
+            raise cannot_write(self._dump, error) from error
         faulthandler.enable(self._stream)
         faulthandler.dump_traceback_later(self._limit, exit=True, file=self._stream)
 
@@ -90,9 +93,10 @@ class Attempt:
         self.clear()
 
     def clear(self) -> None:
-        """Remove the note and the dump."""
-        self._note.unlink(missing_ok=True)
-        self._dump.unlink(missing_ok=True)
+        """Remove the note and the dump, where the system lets them be removed."""
+        for path in (self._note, self._dump):
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
 
 
 def _blame(times: int, dump: str) -> str:

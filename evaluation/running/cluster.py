@@ -10,13 +10,15 @@ import os
 import uuid
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, cannot_write
 from evaluation.running.environment import usable_processors, versions
+from evaluation.running.local_workers import allow_open_files, start_workers
 from evaluation.running.process import hold_interrupts
 from evaluation.running.scheduler_check import check_scheduler
 from evaluation.running.tls import TlsFiles, certificate_of_this_run, security_of
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 SETTINGS = {
     "distributed.scheduler.worker-ttl": None,  # compiled code may hold the interpreter for minutes
     "distributed.scheduler.allowed-failures": 3,
+    "distributed.deploy.lost-worker-timeout": "1h",  # `worker_watch` replaces what is lost
     "distributed.admin.tick.limit": "1h",
     "distributed.worker.memory.target": False,  # results go to the folder: nothing to spill
     "distributed.worker.memory.spill": False,
@@ -125,20 +128,23 @@ def _start(stack: contextlib.ExitStack, workers: int, dashboard: bool) -> "Clien
     """A cluster on this machine that ends with the stack, and its client."""
     from distributed import Client, LocalCluster
 
+    allow_open_files(workers)
     security = certificate_of_this_run()
+    cluster = partial(
+        LocalCluster,
+        n_workers=workers,
+        threads_per_worker=1,
+        processes=True,
+        host=LOOPBACK,
+        protocol="tls://",
+        security=security,
+        dashboard_address=f"{LOOPBACK}:0",
+        worker_dashboard_address=None,
+        scheduler_kwargs={"dashboard": dashboard},
+        silence_logs=logging.CRITICAL,
+    )
     with hold_interrupts():
-        local = LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            host=LOOPBACK,
-            protocol="tls://",
-            security=security,
-            dashboard_address=f"{LOOPBACK}:0",
-            worker_dashboard_address=None,
-            scheduler_kwargs={"dashboard": dashboard},
-            silence_logs=logging.CRITICAL,
-        )
+        local = start_workers(cluster)
         return Client(stack.enter_context(local), security=security)
 
 
@@ -164,11 +170,15 @@ def _check(client: "Client", folder: Path) -> None:
     Keys of results hold the versions here: with others on a worker they would name the wrong results.
     """
     token = folder / f".probe-{uuid.uuid4().hex}"
-    token.touch()
+    try:
+        token.touch()
+    except OSError as error:
+        raise cannot_write(folder, error) from error
     try:
         seen: dict[str, Any] = client.run(os.path.exists, str(token))
     finally:
-        token.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            token.unlink(missing_ok=True)
     blind = sorted(address for address, found in seen.items() if found is not True)
     if blind:
         raise InputError(

@@ -1,5 +1,6 @@
 """Runs tasks on a Dask cluster: in the order their inputs come in, a few at a time, whatever fails."""
 
+import contextlib
 import logging
 from collections import deque
 from collections.abc import Callable, Collection, Iterator
@@ -16,14 +17,9 @@ from evaluation.running.cluster import Cluster
 from evaluation.running.progress import ProgressCallbacks
 from evaluation.running.task_queue import TaskQueue
 from evaluation.running.worker import run_task
+from evaluation.running.worker_watch import LOOK_EVERY, WorkerWatch
 
 log = logging.getLogger(__name__)
-
-LOOK_EVERY = 5.0
-"""Seconds between looks for workers while no task ends."""
-
-REPLACE_AFTER = 15.0
-"""Seconds without any worker after which those of a cluster on this machine are replaced."""
 
 IN_FLIGHT = 3
 """Tasks handed to the scheduler per worker: enough that none waits, few enough that memory stays flat."""
@@ -80,11 +76,12 @@ def execute(
         if suspects and not flying:
             submit(suspects.popleft(), True)
 
+    watch = WorkerWatch(cluster, limit)
     submit_what_can_run()
     while flying:
-        future = _next(done, cluster)
+        future = _next(done, watch)
         task, alone = flying.pop(future.key)
-        outcome = _outcome(Attempt(folder, task, run, limit, alone), task, future, alone)
+        outcome = _outcome(Attempt(folder, task, run, limit, alone), task, future, watch, alone)
         future.release()  # or Dask runs it again if the worker that holds the outcome ends
         if outcome.kind == AGAIN:
             suspects.append(task)
@@ -96,42 +93,22 @@ def execute(
     return failures
 
 
-def _next(done: "SimpleQueue[Any]", cluster: Cluster) -> Any:
-    """The next future that has ended; gives up if there has been no worker for too long."""
-    alone = 0.0
+def _next(done: "SimpleQueue[Any]", watch: WorkerWatch) -> Any:
+    """The next future that has ended, with looks at the workers meanwhile."""
     while True:
-        try:
+        watch.look()
+        with contextlib.suppress(Empty):
             return done.get(timeout=LOOK_EVERY)
-        except Empty:
-            alone = 0.0 if cluster.client.nthreads() else alone + LOOK_EVERY
-            if REPLACE_AFTER <= alone < REPLACE_AFTER + LOOK_EVERY:
-                _replace_workers(cluster)
-            if alone >= cluster.patience:
-                raise InputError(
-                    f"no worker for {alone:.0f} s: all are gone; results are stored, the same command goes on"
-                ) from None
 
 
-def _replace_workers(cluster: Cluster) -> None:
-    """Start the workers on this machine afresh: Dask does not replace one that ends as it starts."""
-    local = getattr(cluster.client, "cluster", None)
-    if local is None:
-        return  # a running cluster looks after its workers
-    log.warning("all workers ended; they are replaced")
-    start = 1 + max((name for name in local.workers if isinstance(name, int)), default=-1)
-    local.worker_spec.clear()
-    local.worker_spec.update({start + i: local.new_spec for i in range(cluster.workers)})  # other names
-    local.scale(cluster.workers)
-
-
-def _outcome(attempt: Attempt, task: Task, future: Any, alone: bool) -> Outcome:
+def _outcome(attempt: Attempt, task: Task, future: Any, watch: WorkerWatch, alone: bool) -> Outcome:
     """What a worker reported, or what Dask says of a task whose worker never answered.
 
     Dask gives up on a task that was waiting at several workers when others took them down: it is innocent
     until that happens when it is alone.
     """
     try:
-        found = future.result()
+        found = _result(future, watch)
     except CancelledError as error:
         raise InputError(
             f"the scheduler is gone ({one_line(error)}); results are stored, the same command goes on"
@@ -140,6 +117,17 @@ def _outcome(attempt: Attempt, task: Task, future: Any, alone: bool) -> Outcome:
         reason = (attempt.given_up() if alone else None) or one_line(error)
         return Outcome(task, False, reason, "crash" if alone else AGAIN)
     return found if isinstance(found, Outcome) else Outcome(task, False, f"no outcome but {found!r}", "crash")
+
+
+def _result(future: Any, watch: WorkerWatch) -> Any:
+    """What a task returned; the worker that holds it may hang, and runs it again when it was replaced."""
+    while True:
+        try:
+            return future.result(timeout=LOOK_EVERY)
+        except TimeoutError:
+            if future.status == "error":  # it is what the task raised
+                raise
+            watch.look()
 
 
 def _settle(queue: TaskQueue, outcome: Outcome) -> Iterator[Outcome]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen.fingerprints import digest
-from datasets_gen.records import atomic_path
+from datasets_gen.records import InputError, atomic_path
 from datasets_gen.registry import outline
 from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.make_plan import make_plan, shape_tasks
@@ -19,6 +19,7 @@ from evaluation.experiment.plan import Plan
 from evaluation.experiment.tasks import Task
 from evaluation.results.folder_lock import lock_folder
 from evaluation.results.integrity import damage_line
+from evaluation.results.origin import Origin
 from evaluation.results.outcome import Outcome
 from evaluation.results.store import FORMAT, ResultsStore
 from evaluation.results.table import write_tables
@@ -125,7 +126,7 @@ class _Run:
         self.experiment, self.store, self.force, self.progress = experiment, store, force, progress
         self._opened = opened
         self.name = uuid.uuid4().hex[:8]
-        self.started = time.time()
+        self.started = time.monotonic()
         self.failures: list[Outcome] = []
         self.ran = 0
         self._stack = contextlib.ExitStack()
@@ -137,7 +138,7 @@ class _Run:
                 self._complete(plan)
             except BaseException:
                 if self._cluster is not None:  # interrupted: what there is makes a table too
-                    self._finish(plan, shapes)
+                    self._finish_early(plan, shapes)
                 raise
             finally:
                 self.progress.end()
@@ -146,6 +147,7 @@ class _Run:
 
     def _complete(self, plan: Plan) -> None:
         """Run what has no result yet."""
+        self.store.remove_leftovers()
         stored, damaged = (set(), {}) if self.force else self.store.examined(plan.tasks.values())
         if damaged:
             log.warning("%s", damage_line(damaged))
@@ -175,21 +177,30 @@ class _Run:
         with atomic_path(self.store.folder / "experiment.toml") as temporary:
             temporary.write_text(self.experiment.to_toml(), encoding="utf-8")
 
+    def _finish_early(self, plan: Plan, shapes: Mapping[str, Task]) -> None:
+        """Merge what there is; if that fails too, what ended the run is what is said."""
+        try:
+            self._finish(plan, shapes)
+        except (InputError, OSError) as error:
+            log.info("no table of what there is: %s", error)
+
     def _finish(self, plan: Plan, shapes: Mapping[str, Task]) -> None:
         """Merge the table unless it is merged already, and note what made it."""
         for label, reason in plan.unavailable.items():
             self.failures.append(Outcome(Task(label, "map", {}, {}, label), False, reason, "unavailable"))
         state = digest([[dict(row.columns), row.score] for row in plan.rows])
         before = self.store.last_run()
-        unchanged = self.ran == 0 and before.get("rows_digest") == state and not self.failures
+        complete = before.get("rows") == len(plan.rows)  # or it was merged when a run was interrupted
+        unchanged = self.ran == 0 and complete and before.get("rows_digest") == state and not self.failures
         if unchanged and self.store.is_merged() and not before.get("failures"):
             return
         self._write_experiment()
-        table = write_tables(self.store, plan, self.failures)
+        origin = Origin.of(self.experiment.name, self.experiment.as_dict())
+        table = write_tables(self.store, plan, self.failures, origin)
         info = {
             "format": FORMAT,
             "experiment": self.experiment.name,
-            "config_hash": digest(self.experiment.as_dict())[:16],
+            "config_hash": origin.config_hash,
             "seeds": list(self.experiment.seeds),
             "datasets": {name: task.key for name, task in shapes.items()},
             "rows": len(table),
@@ -197,7 +208,7 @@ class _Run:
             "rows_digest": state,
             "tasks_run": self.ran,
             "failures": len(self.failures),
-            "wall_seconds": time.time() - self.started,
+            "wall_seconds": time.monotonic() - self.started,
             "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
             "workers": self._cluster.workers if self._cluster else 0,
             "versions": versions(),

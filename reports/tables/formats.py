@@ -8,6 +8,8 @@ from pathlib import Path
 import pandas as pd
 
 from datasets_gen.records import atomic_path
+from evaluation.results.origin import Origin, write_csv
+from evaluation.results.outcome import printable
 from reports.tables.columns import Column, best_cells, cell_text, filled_columns
 
 
@@ -91,18 +93,18 @@ def write_table(
     group: Sequence[str],
     folder: str | os.PathLike[str],
     name: str,
+    origin: Origin,
 ) -> dict[str, Path]:
-    """Write ``name.md``, ``name.tex`` and ``name.csv``; return the paths by suffix."""
+    """Write ``name.md``, ``name.tex`` and ``name.csv``, each with its origin; return the paths by suffix."""
     shown = filled_columns(columns, table)
-    full = table[[column.name for column in shown]].to_csv(index=False)
-    contents = {
-        "md": to_markdown(table, shown, group),
-        "tex": to_latex(table, shown, group),
-        "csv": full,
+    paths = {suffix: Path(folder) / f"{name}.{suffix}" for suffix in ("md", "tex", "csv")}
+    line = printable(origin.line)
+    texts = {
+        "md": to_markdown(table, shown, group) + (f"\n{_markdown(line)}\n" if line else ""),
+        "tex": (f"% {line}\n" if line else "") + to_latex(table, shown, group),
     }
-    paths = {}
-    for suffix, content in contents.items():
-        paths[suffix] = Path(folder) / f"{name}.{suffix}"
+    for suffix, content in texts.items():
         with atomic_path(paths[suffix]) as temporary:
             temporary.write_text(content, encoding="utf-8")
+    write_csv(table[[column.name for column in shown]], paths["csv"], origin)
     return paths

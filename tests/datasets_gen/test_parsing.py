@@ -3,7 +3,7 @@
 import pytest
 
 from datasets_gen import InputError
-from datasets_gen.parsing import parsed_json, parsed_toml
+from datasets_gen.parsing import parsed_json, parsed_toml, read_note
 
 
 @pytest.mark.parametrize("content", ["a = 1\n", b"a = 1\n"])
@@ -26,3 +26,21 @@ def test_what_is_no_toml_is_one_line(content):
 def test_what_is_no_json_is_one_line(content):
     with pytest.raises(InputError, match=r"^'x\.json' is not readable JSON \([^\n]+\)"):
         parsed_json(content, "'x.json'")
+
+
+def test_a_note_is_read(tmp_path):
+    path = tmp_path / "note.json"
+    path.write_text('{"run": "a", "attempt": 2, "library": null}')
+    expected = {"run": "a", "attempt": 2, "library": None}
+    assert read_note(path, run=str, attempt=int, library=str | None) == expected
+
+
+@pytest.mark.parametrize(
+    "content",
+    [None, b"", b"{", b"\xff", b"[" * 100_000, b"[]", b"{}", b'{"run": 1, "attempt": 2}', b'{"run": "a"}'],
+)
+def test_a_note_that_is_not_as_it_was_written_is_none(tmp_path, content):
+    path = tmp_path / "note.json"
+    if content is not None:
+        path.write_bytes(content)
+    assert read_note(path, run=str, attempt=int) is None

@@ -57,8 +57,3 @@ def test_default_settings_keep_the_value_of_equation_18(points):
     times = logarithmic_times(truncated(truth[0], 300).eigenvalues)
     assert stability_error(*fast, times) == pytest.approx(stability_error(*truth, times), rel=0.01)
     assert fast[0].eigenvalues[1:] == pytest.approx(truth[0].eigenvalues[1:300], rel=1e-4)
-
-
-def test_error_of_equation_18_is_zero_for_the_same_cloud():
-    diffusion = Diffusion.from_points(*clouds.body(500), modes=50)
-    assert stability_error(diffusion, diffusion, np.array([1.0, 10.0])) == 0

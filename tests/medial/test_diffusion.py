@@ -102,11 +102,12 @@ def test_kernel_equals_equations_11_to_13(diffusion):
 
 
 def test_signature_and_heat_trace(diffusion):
+    """The heat that stays, sum exp(-lambda t) psi(x)^2, and its integral, sum exp(-lambda t) [SOG09]."""
     times = np.array([0.5, 2.0]) / diffusion.eigenvalues[3]
-    kernel = diffusion.kernel(times[1], np.array([4]), np.array([4]))
-    assert diffusion.signature(times)[4, 1] == pytest.approx(kernel[0, 0])
-    weighted = diffusion.areas @ diffusion.signature(times)
-    assert weighted == pytest.approx(diffusion.heat_trace(times))
+    decayed = np.exp(-np.outer(diffusion.eigenvalues, times))
+    assert diffusion.signature(times) == pytest.approx(diffusion.eigenfunctions**2 @ decayed)
+    assert diffusion.heat_trace(times) == pytest.approx(decayed.sum(axis=0))
+    assert diffusion.areas @ diffusion.signature(times) == pytest.approx(decayed.sum(axis=0))
 
 
 def test_order_of_points_does_not_matter(figure, diffusion):
@@ -131,12 +132,9 @@ def test_rotation_does_not_matter(figure, diffusion):
     assert again.areas.sum() == pytest.approx(diffusion.areas.sum(), rel=error)
 
 
-@pytest.mark.parametrize("operator", OPERATORS)
-def test_scale_changes_the_unit_only(figure, diffusion, operator):
-    if diffusion.operator != operator:
-        return
-    again = Diffusion.from_points(10 * figure[0], figure[1], operator, modes=40)
-    factor = 1 if operator == "medial" else 100  # the normalised weights of Eq. 15 have no unit
+def test_scale_changes_the_unit_only(figure, diffusion):
+    again = Diffusion.from_points(10 * figure[0], figure[1], diffusion.operator, modes=40)
+    factor = 1 if diffusion.operator == "medial" else 100  # the normalised weights of Eq. 15 have no unit
     assert factor * again.eigenvalues == pytest.approx(diffusion.eigenvalues, rel=1e-3, abs=1e-6)
     assert again.areas == pytest.approx(100 * diffusion.areas, rel=1e-6)
 
@@ -207,18 +205,43 @@ def test_a_small_cloud_takes_the_modes_it_has(caplog):
     assert "40 places carry 39 modes, not 300" in caplog.text
 
 
+def flat(dimensions):
+    """Random points of the unit square or of its side, and their normals."""
+    points = np.zeros((300, 3))
+    points[:, :dimensions] = np.random.default_rng(0).uniform(size=(300, dimensions))
+    return points, np.tile([0.0, 0, 1], (300, 1))
+
+
+def explained(values, functions):
+    """Shares of the variances of values (n, k) that constants and functions (n, f) explain."""
+    basis = np.column_stack([np.ones(len(values)), functions])
+    rest = values - basis @ np.linalg.lstsq(basis, values)[0]
+    return 1 - rest.var(axis=0) / values.var(axis=0)
+
+
 @pytest.mark.parametrize("operator", OPERATORS)
-@pytest.mark.parametrize("axes", [[0, 1], [0]], ids=["plane", "line"])
-def test_flat_clouds_give_a_result_or_a_reason(operator, axes, caplog):
-    points, normals = np.zeros((300, 3)), np.tile([0.0, 0, 1], (300, 1))
-    points[:, axes] = np.random.default_rng(0).uniform(size=(300, len(axes)))
-    if operator == "robust" and len(axes) == 1:
-        with pytest.raises(InputError, match="no tufted Laplacian"):
-            Diffusion.from_points(points, normals, operator, modes=10)
-        return
+def test_first_modes_of_a_flat_square_are_cosines(operator, caplog):
+    """Of a square with free edges cos(pi x) and cos(pi y), eigenvalues pi^2 (0, 1, 1, 2, 4, 4, 5, 5, 8)."""
+    points, normals = flat(2)
+    found = Diffusion.from_points(points, normals, operator, modes=9)
+    assert explained(found.eigenfunctions[:, 1:3], np.cos(np.pi * points[:, :2])).min() > 0.99
+    assert found.areas.sum() == pytest.approx(1, rel=0.08)
+    if operator == "robust":  # the others take their points for samples of a surface without an edge
+        assert found.eigenvalues / np.pi**2 == pytest.approx([0, 1, 1, 2, 4, 4, 5, 5, 8], rel=0.12, abs=1e-9)
+    if operator == "medial":
+        assert "no two points share a medial ball" in caplog.text
+
+
+@pytest.mark.parametrize("operator", ["medial", "heat"])
+def test_the_first_mode_of_a_line_is_a_cosine(operator):
+    points, normals = flat(1)
     found = Diffusion.from_points(points, normals, operator, modes=10)
-    assert np.isfinite(found.eigenfunctions).all()
-    assert operator != "medial" or "no two points share a medial ball" in caplog.text
+    assert explained(found.eigenfunctions[:, 1:2], np.cos(np.pi * points[:, :1]))[0] > 0.94
+
+
+def test_a_line_has_no_tufted_laplacian():
+    with pytest.raises(InputError, match="no tufted Laplacian"):
+        Diffusion.from_points(*flat(1), "robust", modes=10)
 
 
 def test_inward_normals_are_flipped(figure, caplog):
@@ -259,7 +282,7 @@ def test_missing_normals_are_estimated(figure, caplog):
         ({"reference_points": 0}, "reference_points is 0"),
         ({"tolerance": 0}, "tolerance is 0"),
         ({"departures": "some"}, "departures is 'some'; give 'all', 'none'"),
-        ({"departures": {"radius": False}}, "unknown departure 'radius'; known are density_weights"),
+        ({"departures": {"radius": False}}, "unknown departure 'radius'; did you mean 'radius_cap'"),
         ({"departures": {"radius_cap": 1}}, "departure radius_cap must be true or false, got 1"),
     ],
 )

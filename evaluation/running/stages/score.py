@@ -24,7 +24,7 @@ from evaluation.metrics.correspondence import (
 from evaluation.metrics.diffusion_error import diffusion_error
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.limbs import Limbs, find_limbs, limb_shares
-from evaluation.metrics.medial_errors import mean_medial_distances, medial_distances, medial_paths
+from evaluation.metrics.medial_errors import MedialRuler
 from evaluation.metrics.mirror_images import mirror_points
 from evaluation.running.stages.interface import Inputs, Output
 from medial.matching.result import CONFIDENT
@@ -139,13 +139,12 @@ def _medial_errors(
     inputs: Inputs, reference: Shape, start: SurfacePoints, target: SurfacePoints, image: NDArray[np.int64]
 ) -> dict[str, float]:
     """Mean distances of the rest pose's medial centres at the right and the found place."""
-    diffusion = inputs.load("reference_medial")
     matched, right = image >= 0, start.on(reference)
-    paths = inputs.derive("reference_medial", medial_paths)
+    ruler = inputs.derive("reference_medial", MedialRuler.of)
     errors = np.empty((2, len(start)))
     found = target[image[matched]].on(reference)
-    errors[:, matched] = medial_distances(diffusion, right[matched], found, paths)
-    errors[:, ~matched] = mean_medial_distances(diffusion, right[~matched], paths)
+    errors[:, matched] = ruler.distances(right[matched], found)
+    errors[:, ~matched] = ruler.mean_distances(right[~matched])
     straight, along = 100 / np.sqrt(reference.area) * errors.mean(axis=1)
     return {"medial_mean": float(straight), "medial_path_mean": float(along)}
 

@@ -154,3 +154,121 @@ def test_settings_must_agree(rest):
         error((shape, cloud, reference), cloud, other)
     with pytest.raises(InputError, match="seed is -1"):
         error((shape, cloud, reference), cloud, reference, seed=-1)
+
+
+def by_hand(points, normals, areas, values, functions, operator="heat"):
+    """A diffusion of arbitrary modes."""
+    n = len(points)
+    return Diffusion(points, normals, areas, values, functions, points, np.zeros(n), operator)
+
+
+def weights_by_loops(samples, sample_normals, point, normal):
+    """Inverse squared distances over the four nearest of the 16 nearest samples that face the same way."""
+    order = sorted(range(len(samples)), key=lambda i: sum((samples[i] - point) ** 2))[:16]
+    facing = [i for i in order if sample_normals[i] @ normal > 0] or order
+    weights = np.zeros(len(samples))
+    for i in facing[:4]:
+        square = sum((samples[i] - point) ** 2)
+        if square == 0:
+            return np.eye(len(samples))[i]
+        weights[i] = 1 / square
+    return weights / weights.sum()
+
+
+@pytest.mark.parametrize("count", [40, 10, 3])
+def test_interpolation_by_loops(count):
+    """Between few samples and many, beside others that face away, and where all of the nearest do."""
+    rng = np.random.default_rng(1)
+    samples, points = rng.uniform(size=(count, 3)), rng.uniform(size=(25, 3))
+    points[:2] = samples[:2]
+    sample_normals, normals = np.tile([0, 0, 1.0], (count, 1)), rng.normal(size=(25, 3))
+    sample_normals[rng.uniform(size=count) < 0.5] *= -1
+    normals[0], normals[1] = sample_normals[0], -sample_normals[1]
+    near = np.linalg.norm(samples - points[2], axis=1).argsort()[:16]
+    sample_normals[near], normals[2] = [0, 0, 1.0], [0, 0, -1.0]
+    found = interpolation(samples, sample_normals, points, normals)
+    written = [weights_by_loops(samples, sample_normals, *each) for each in zip(points, normals, strict=True)]
+    assert found.toarray() == pytest.approx(np.array(written), abs=1e-12)
+
+
+def test_interpolation_by_loops_where_samples_coincide_or_are_alone():
+    """Of two samples at the point itself each counts half; a sample alone is all there is."""
+    samples = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0]])
+    up = np.array([[0, 0, 1.0]])
+    found = interpolation(samples, np.repeat(up, 3, axis=0), samples[:1], up).toarray()
+    assert found == pytest.approx(np.array([[0.5, 0.5, 0]]))
+    assert interpolation(samples[:1], up, np.array([[2.0, 1, 0]]), up).toarray().tolist() == [[1.0]]
+    assert interpolation(samples[:1], up, samples[:1], up).toarray().tolist() == [[1.0]]
+
+
+def test_kernel_error_by_loops():
+    """Eq. 18: the norm over the pairs divided by their number, at each time."""
+    here, there = np.random.default_rng(0).uniform(size=(2, 7, 3))
+    written = [np.sqrt(sum((here[c, t] - there[c, t]) ** 2 for c in range(7))) / 7 for t in range(3)]
+    assert kernel_error(here, there) == pytest.approx(written)
+
+
+def test_kernel_of_pairs_by_loops():
+    rng = np.random.default_rng(0)
+    functions, values, times = rng.normal(size=(6, 3)), np.array([0.0, 1, 2.5]), np.array([0.1, 0.7])
+    x, y = np.array([0, 3, 5, 5]), np.array([1, 3, 2, 0])
+    written = [
+        [sum(functions[a, k] * functions[b, k] * np.exp(-values[k] * t) for k in range(3)) for t in times]
+        for a, b in zip(x, y, strict=True)
+    ]
+    assert kernel_of_pairs(functions, values, x, y, times) == pytest.approx(np.array(written))
+
+
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+@pytest.mark.parametrize("departures", [None, Departures.none()])
+def test_equation_18_by_loops(scale, departures):
+    """All three errors of two arbitrary diffusions, one pair and one time after the other.
+
+    Eigenvalues of a Laplacian are in one over area: lengths 1000 times as large make them a million times
+    smaller.
+    """
+    rng = np.random.default_rng(2)
+    up = np.tile([0, 0, 1.0], (8, 1))
+    first, other = (np.cumsum(np.append(0, rng.uniform(0.5, 2, 3))) for _ in range(2))
+    place = rng.uniform(size=(8, 3))
+    functions, modes = rng.normal(size=(8, 4)), rng.normal(size=(5, 4))
+    reference = by_hand(place, up, np.full(8, 0.1), first, functions)
+    canonical = np.vstack([place[:2], rng.uniform(size=(3, 3))])
+    cloud = by_hand(scale * canonical, up[:5], np.full(5, 0.2) * scale**2, other / scale**2, modes / scale)
+    found = diffusion_error(
+        reference,
+        cloud,
+        canonical,
+        up[:5],
+        3.7,
+        pairs=30,
+        times=6,
+        seed=4,
+        scale=scale,
+        departures=departures,
+    )
+    area = 3.7 if departures is None else 1.0
+    carried = np.array([weights_by_loops(place, up, p, up[0]) for p in canonical]) @ functions
+    x, y = np.random.default_rng(4).integers(5, size=(2, 30))
+    times = np.geomspace(4 * np.log(10) / first[-1], 4 * np.log(10) / first[1], 6)
+    terms, traced, relative = [], [], []
+    for t in times:
+        m = [sum(modes[a] * modes[b] * np.exp(-other * t)) for a, b in zip(x, y, strict=True)]
+        f = [sum(carried[a] * carried[b] * np.exp(-first * t)) for a, b in zip(x, y, strict=True)]
+        m, f = area * np.array(m), area * np.array(f)
+        terms.append(np.sqrt(sum((m - f) ** 2)) / 30)
+        traced.append(np.sqrt(sum((m / sum(np.exp(-other * t)) - f / sum(np.exp(-first * t))) ** 2)) / 30)
+        relative.append(np.sqrt(sum((m - f) ** 2)) / np.sqrt(sum(f**2)))
+    assert found.times == pytest.approx(times)
+    assert found.per_time == pytest.approx(terms)
+    assert found.eq18 == pytest.approx(np.mean(terms))
+    assert found.eq18_trace == pytest.approx(np.mean(traced))
+    assert found.eq18_relative == pytest.approx(np.mean(relative))
+
+
+def test_arrays_by_hand_that_do_not_belong_to_the_cloud_are_refused():
+    up = np.tile([0, 0, 1.0], (4, 1))
+    cloud = by_hand(np.eye(4, 3), up, np.ones(4), np.array([0.0, 1]), np.ones((4, 2)))
+    for places, normals in ((up[:3], up), (up, up[:3]), (up[:, :2], up)):
+        with pytest.raises(InputError, match="do not belong to a cloud of 4"):
+            diffusion_error(cloud, cloud, places, normals, 1.0)

@@ -22,13 +22,31 @@ def test_a_task_is_stored_with_what_it_took(tmp_path, shape_task):
     report = run_task(str(tmp_path), shape_task, "run", 60)
     assert report.ok
     record = ResultsStore(tmp_path).record("shape", shape_task.key)
-    assert record["seconds"] > 0
-    assert record["cpu_seconds"] > 0
     assert record["info"]["poses"] == ["bent", "curled", "rest"]
     assert record["spec"] == shape_task.spec
     assert record["versions"]["numpy"] == np.__version__
     assert record["versions"]["python"]
     assert not list((tmp_path / "running").iterdir())
+
+
+def test_seconds_are_those_of_the_clock_and_of_the_processor(tmp_path, monkeypatch, shape_task):
+    real = worker._compute
+
+    def slowed(*arguments):
+        time.sleep(0.3)
+        until = time.process_time() + 0.2
+        while time.process_time() < until:
+            pass
+        return real(*arguments)
+
+    monkeypatch.setattr(worker, "_compute", slowed)
+    before = time.perf_counter()
+    report = run_task(str(tmp_path), shape_task, "run", 60)
+    passed = time.perf_counter() - before
+    record = ResultsStore(tmp_path).record("shape", shape_task.key)
+    assert 0.5 <= record["seconds"] <= passed
+    assert record["seconds"] == report.seconds
+    assert 0.2 <= record["cpu_seconds"] <= record["seconds"] - 0.25
 
 
 def test_a_task_that_fails_says_why_and_leaves_no_result(tmp_path, shape_task):
@@ -177,6 +195,10 @@ def test_an_input_that_vanished_is_named(tmp_path):
         ResultsStore(tmp_path).score("none")
 
 
-def test_the_watchdog_is_off_afterwards(tmp_path, shape_task):
-    assert run_task(str(tmp_path), shape_task, "run", 1).ok
+def test_the_watchdog_is_off_afterwards(tmp_path, monkeypatch, shape_task):
+    def compute(*_):
+        raise ValueError("at once")
+
+    monkeypatch.setattr(worker, "_compute", compute)
+    assert run_task(str(tmp_path), shape_task, "run", 1).reason == "ValueError: at once"
     time.sleep(1.2)  # would end this process

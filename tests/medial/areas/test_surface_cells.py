@@ -12,6 +12,7 @@ def test_sphere():
     assert areas == pytest.approx(np.full(2000, areas.mean()), rel=0.1)
 
 
+@pytest.mark.uncompiled
 def test_cells_of_a_square_grid_are_its_squares():
     x, y = np.meshgrid(np.arange(20.0), np.arange(20.0))
     points = np.column_stack([x.ravel(), y.ravel(), np.zeros(400)])

@@ -110,6 +110,7 @@ def test_laplacian_is_symmetric_semidefinite_and_kills_constants(weights):
     assert np.linalg.eigvalsh(matrix).min() > -1e-12
 
 
+@pytest.mark.uncompiled
 def test_symmetric_from_pairs():
     random = np.random.default_rng(0)
     i, j = np.triu_indices(30, 1)

@@ -7,6 +7,7 @@ from medial.matching import nearest as module
 from medial.matching.nearest import nearest, nearest_sum_of_norms
 
 
+@pytest.mark.uncompiled
 @settings(max_examples=30, deadline=None)
 @given(n=st.integers(1, 60), m=st.integers(1, 60), d=st.integers(1, 40), seed=st.integers(0, 99))
 def test_nearest_is_exact(n, m, d, seed):

@@ -66,5 +66,6 @@ def test_where_diffusion_tells_nothing_space_does():
 
 
 def test_the_radius_of_pieces_is_positive_for_any_cloud():
+    """Of four points on a line at 0, 1, 2, 3 the piece is that of the last: distances 0, 1, 2, 3."""
     assert piece_radius(np.zeros((9, 3), dtype=np.float32)) == 1.0
-    assert piece_radius(np.arange(12, dtype=np.float32).reshape(4, 3)) > 0
+    assert piece_radius(np.outer(np.arange(4), [0, 0.6, 0.8]).astype(np.float32)) == pytest.approx(1.5)

@@ -127,3 +127,14 @@ def test_known_vectors_are_left_out(problem):
     values, vectors = np.linalg.eigh(stiffness.toarray())
     found, _, _ = filtered_lanczos(stiffness, 20, vectors[:, :7], 1e-8)
     assert found == pytest.approx(values[7:27], abs=1e-9)
+
+
+@pytest.mark.uncompiled
+def test_products_of_rows_with_many_and_few_entries():
+    """Eight entries at a time, then the rest; the last row has none."""
+    random = np.random.default_rng(0)
+    dense = random.standard_normal((30, 30)) * (random.random((30, 30)) < np.linspace(1, 0, 30)[:, None])
+    block, other = random.standard_normal((2, 30, 16))
+    assert multiply(csr_array(dense), block) == pytest.approx(dense @ block)
+    expected = 3 * (dense @ block - 0.5 * block) - other
+    assert multiply(csr_array(dense), block, 3.0, 0.5, other) == pytest.approx(expected)

@@ -3,9 +3,11 @@
 import numpy as np
 import pandas as pd
 
+from evaluation.results.origin import Origin
 from reports.tables.columns import Column
 
 COLUMNS = (Column("name", "name & co"), Column("low", "low_1", 1, "low"), Column("high", "±", 2, "high"))
+ORIGIN = Origin("1.2.3", "a_b & 50 %", "0123456789abcdef")
 SMALL = pd.DataFrame(
     {
         "g": ["x", "x", "x", "y", "y"],

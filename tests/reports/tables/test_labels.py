@@ -21,6 +21,7 @@ from reports.tables.formats import to_latex, to_markdown, write_table
 from reports.tables.leaderboard import leaderboard, with_numpy_types
 from reports.tables.terminal import leaderboard_lines
 from tests.reports.page.test_report import Page
+from tests.reports.tables.small import ORIGIN
 
 LABELS = [
     "a [bold] b [/bold]",
@@ -59,7 +60,6 @@ def test_markdown(label):
     made = to_markdown(table_of([label, LINES]), COLUMNS, ["g"])
     assert len(made.splitlines()) == 4
     html = MarkdownIt("commonmark").enable(["table", "strikethrough"]).render(made)
-    assert Page(html).words[3:5] != []
     words = "".join(Page(html).words)
     assert cell_text(label, SAME).strip() in " ".join(words.split())
     assert "<script>" not in html
@@ -88,7 +88,7 @@ def test_latex_rows_do_not_begin_with_what_belongs_to_the_line_break():
 
 @pytest.mark.parametrize("label", LABELS)
 def test_csv(tmp_path, label):
-    path = write_table(table_of([label, LINES]), COLUMNS, ["g"], tmp_path, "t")["csv"]
+    path = write_table(table_of([label, LINES]), COLUMNS, ["g"], tmp_path, "t", ORIGIN)["csv"]
     with path.open(newline="", encoding="utf-8") as stream:
         assert [row["name"] for row in csv.DictReader(stream)] == [label, LINES]
 

@@ -3,7 +3,12 @@ import pytest
 
 from medial import MatchConfig
 from medial.matching.landmarks.descriptors import describe
-from medial.matching.landmarks.diffusion_landmarks import landmark_order, search_landmarks
+from medial.matching.landmarks.diffusion_landmarks import (
+    _square_parts,
+    _sum_of_nearest,
+    landmark_order,
+    search_landmarks,
+)
 from medial.matching.landmarks.extrapolation import extrapolate_landmarks
 from medial.matching.landmarks.samples import spectral_samples
 from medial.spectrum.times import DECADES, logarithmic_times
@@ -107,3 +112,15 @@ def test_extrapolation_is_equation_17(pair):
             total += np.linalg.norm(np.array(theirs) - own, axis=1)
         assert total[index[k]] == pytest.approx(total.min(), rel=1e-3)
         assert residual[k] == pytest.approx(total.min(), rel=1e-2)
+
+
+@pytest.mark.uncompiled
+def test_the_sum_of_nearest_distances():
+    """Of 7 to the nearest of 5 points, one term of the squares given apart, as Eq. 16's search has it."""
+    x, y = np.random.default_rng(0).normal(size=(7, 3)), np.random.default_rng(1).normal(size=(5, 3))
+    own = np.random.default_rng(2).normal(size=(2, 7, 1)), np.random.default_rng(3).normal(size=(2, 5, 1))
+    before, now = ((a[None, :, 0] - b[:, None, 0]) ** 2 for a, b in zip(*own, strict=True))
+    parts = _square_parts(*(each.astype(np.float32) for each in (x, y)))
+    found = _sum_of_nearest((before + now).astype(np.float32), *parts)
+    square = before + now + ((x[None] - y[:, None]) ** 2).sum(axis=2)
+    assert found == pytest.approx(np.sqrt(square.min(axis=0)).sum(), rel=1e-4)

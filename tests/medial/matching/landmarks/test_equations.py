@@ -72,3 +72,56 @@ def test_extrapolation_is_equation_17(clouds):
     assert taken == pytest.approx(least, rel=5e-3)  # single precision may take the other of equals
     assert cost == pytest.approx(least, rel=1e-2, abs=1e-3 * least.max())
     assert (index == written).mean() > 0.95
+
+
+N, M, TIMES = 4, 5, np.array([0.2, 0.9, 2.0])
+RANDOM = np.random.default_rng(0)
+SOURCE, TARGET = RANDOM.uniform(size=(2, N, 3)), RANDOM.uniform(size=(2, M, 3))
+SOURCE_SIGNATURE, TARGET_SIGNATURE = RANDOM.uniform(size=(N, 3)), RANDOM.uniform(size=(M, 3))
+
+
+def test_loops_of_the_kernel_over_the_heat_trace():
+    """Eq. 13 over the sum of the decayed modes, at each time."""
+    values, functions = np.array([0.0, 0.6, 1.7]), RANDOM.normal(size=(N, 3))
+    written = np.zeros((N, N, 3))
+    for x in range(N):
+        for y in range(N):
+            for t, time in enumerate(TIMES):
+                decayed = [np.exp(-value * time) for value in values]
+                heat = sum(decayed[k] * functions[x, k] * functions[y, k] for k in range(3))
+                written[x, y, t] = heat / sum(decayed)
+    assert kernel_over_times(values, functions, TIMES) == pytest.approx(written)
+    assert kernel_over_times(values, functions, TIMES, 7.0) == pytest.approx(7 * written)
+
+
+def costs_by_loops(source, target, found):
+    """Distance of every source sample to the nearest target sample, summed up."""
+    total = 0.0
+    for p in range(len(source)):
+        total += min(np.sqrt(sum((source[p] - target[q]) ** 2) + found[q][p]) for q in range(len(target)))
+    return total
+
+
+def test_loops_of_the_cost_of_a_landmark():
+    """Eq. 16, for the first landmark and with coordinates of others."""
+    nothing, before = np.zeros((M, N)), RANDOM.uniform(0, 0.3, (M, N))
+    source, targets = SOURCE[0], np.concatenate([TARGET, TARGET[:, ::-1] * 0.7, [TARGET[0] + 1]])
+    assert landmark_cost(source, targets[0]) == pytest.approx(costs_by_loops(source, targets[0], nothing))
+    for found, given in ((nothing, None), (before, before)):
+        costs = [costs_by_loops(source, each, found) for each in targets]
+        assert [landmark_cost(source, each, given) for each in targets] == pytest.approx(costs)
+        assert landmark_partner(source, targets, given) == np.argmin(costs)
+    assert landmark_partner(source, np.stack([TARGET[0] + 9, TARGET[0] + 3, source[[0, 1, 2, 3, 3]]])) == 2
+
+
+def test_loops_of_the_extrapolation():
+    """Eq. 17: agreement with both landmarks and in the signature."""
+    costs = np.zeros((N, M))
+    for p in range(N):
+        for q in range(M):
+            costs[p, q] = np.sqrt(sum((SOURCE_SIGNATURE[p] - TARGET_SIGNATURE[q]) ** 2))
+            for landmark in range(2):
+                costs[p, q] += np.sqrt(sum((SOURCE[landmark, p] - TARGET[landmark, q]) ** 2))
+    partners, least = extrapolated(SOURCE, TARGET, SOURCE_SIGNATURE, TARGET_SIGNATURE)
+    assert partners.tolist() == [min(range(M), key=lambda q: costs[p, q]) for p in range(N)]
+    assert least == pytest.approx([min(row) for row in costs])

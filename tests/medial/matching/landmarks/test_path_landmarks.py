@@ -7,7 +7,7 @@ from medial import Diffusion
 from medial.matching.common_units import CloudInUnits, common_units
 from medial.matching.landmarks.medial_paths import CHANGED, FAR, MedialPaths, path_distortion
 from medial.matching.landmarks.path_landmarks import NONE, SearchConfig, extrapolate_by_paths, landmark_sets
-from tests.medial.clouds import body, cylinder
+from tests.medial.clouds import body, cylinder, torus
 from tests.medial.matching_shapes import lobes
 from tests.medial.posed import bent, figure, left_arm, legs, right_arm
 
@@ -39,15 +39,19 @@ def tube(n=800, radius=0.3, length=2.0):
     return CloudInUnits(points, normals, points - radius * normals, np.full(n, radius))
 
 
-def test_path_lengths_are_a_metric(paths):
-    lengths = paths.lengths
-    assert len(lengths) == 300
-    assert np.isfinite(lengths).all()
-    assert np.allclose(lengths, lengths.T)
-    assert (np.diag(lengths) == 0).all()
-    assert (lengths[~np.eye(300, dtype=bool)] > 0).all()
-    for k in range(0, 300, 37):
-        assert (lengths <= lengths[:, k : k + 1] + lengths[k] + 1e-12).all()
+def test_path_lengths_on_a_ring_are_arcs_of_its_circle():
+    """Of radius 1, whichever side of the tube a point is on; both ways round."""
+    points, normals = torus(900)
+    ring = points * [1, 1, 0]
+    centers = ring / np.linalg.norm(ring, axis=1, keepdims=True)
+    paths = MedialPaths.of(CloudInUnits(points, normals, centers, np.full(900, 0.3)), 300)
+    assert np.allclose(paths.lengths, paths.lengths.T)
+    place = centers[paths.nodes]
+    arcs = np.arccos(np.clip(place @ place.T, -1, 1))
+    far = arcs > 0.5
+    assert far.mean() > 0.8
+    assert paths.lengths[far] == pytest.approx(arcs[far], rel=0.1)
+    assert np.median(paths.lengths[far] / arcs[far]) == pytest.approx(1, abs=0.04)
 
 
 def test_the_length_of_a_tube_is_that_of_its_axis():
@@ -138,6 +142,7 @@ def test_a_shape_agrees_with_itself(paths):
 
 def test_landmark_sets_are_kept_apart(paths):
     sets = landmark_sets(paths, paths, SearchConfig(width=40, sets=10))
+    assert len(sets) > 2
     for k, first in enumerate(sets):
         for second in sets[k + 1 :]:
             both = (first.target != NONE) & (second.target != NONE)
@@ -195,3 +200,14 @@ def test_landmarks_without_partner_do_not_count(paths):
     kept = partners != NONE
     expected = extrapolate_by_paths(paths, paths, landmarks[kept], landmarks[kept])
     assert np.array_equal(extrapolate_by_paths(paths, paths, landmarks, partners), expected)
+
+
+@pytest.mark.uncompiled
+def test_path_distortion_of_few_nodes():
+    """Nodes at 0, 1, 3 on a line, mapped to 0, 1, 1.5: pairs change by 0, 1.5 and 1.5, or `CHANGED`."""
+    place, image = np.array([0, 1.0, 3]), np.array([0, 1.0, 1.5])
+    ids, ones = np.arange(3), np.ones(3)
+    source, target = (MedialPaths(ids, np.abs(x[:, None] - x), ones, ids) for x in (place, image))
+    changes = [0.0, min(1.5, CHANGED), min(1.5, CHANGED)]
+    assert path_distortion(source, target, ids, ids) == pytest.approx(np.mean(changes))
+    assert path_distortion(source, target, ids[:1], ids[:1]) == 0  # no pair

@@ -96,6 +96,7 @@ def slow_strain(graph, pose):
     return (graph.hold * 2 * BEND**2 * (np.sqrt(1 + square / BEND**2) - 1)).sum()
 
 
+@pytest.mark.uncompiled
 def test_points_and_directions_are_blended():
     points, graph, attachment = blob()
     directions = points / np.linalg.norm(points, axis=1, keepdims=True)
@@ -106,6 +107,7 @@ def test_points_and_directions_are_blended():
     assert np.allclose(there, blended / np.linalg.norm(blended, axis=1, keepdims=True))
 
 
+@pytest.mark.uncompiled
 def test_a_rigid_pose_moves_everything_rigidly():
     points, graph, attachment = blob()
     turn, shift = rotation(5), np.array([1.0, -2.0, 0.5])
@@ -135,6 +137,7 @@ def normal_equations(points, graph, attachment, pose, offset, normals, even, alo
     return system, right
 
 
+@pytest.mark.uncompiled
 def test_pulls_on_one_point_add_up():
     random = np.random.default_rng(0)
     rows = np.array([2, 0, 2, 2])
@@ -149,6 +152,7 @@ def test_pulls_on_one_point_add_up():
         assert np.allclose(force[j], sum((terms[i] @ offset[i] for i in mine), np.zeros(3)))
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize(("places", "goals"), [(1, 5), (300, 200), (7, 1)])
 def test_nearest_of_few_is_that_of_a_tree(places, goals):
     random = np.random.default_rng(places)
@@ -156,11 +160,13 @@ def test_nearest_of_few_is_that_of_a_tree(places, goals):
     assert np.array_equal(nearest_of_few(x, y), cKDTree(x).query(y)[1])
 
 
+@pytest.mark.uncompiled
 def test_of_equally_near_places_the_first_is_taken():
     place = np.ones((1, 6))
     assert np.array_equal(nearest_of_few(np.tile(place, (4, 1)), 2 * place), [0])
 
 
+@pytest.mark.uncompiled
 def test_meeting():
     random = np.random.default_rng(0)
     points, goals, normals, goal_normals = random.standard_normal((4, 50, 3))
@@ -185,6 +191,7 @@ def test_normal_equations_of_the_pull():
     assert np.allclose(right, np.einsum("nap,nab,nb->p", place, metric, offset), atol=1e-7)
 
 
+@pytest.mark.uncompiled
 def test_right_hand_side_is_half_the_gradient_of_the_pull():
     points, graph, attachment, pose, goal, normals, even, along = pulled()
 
@@ -199,6 +206,7 @@ def test_right_hand_side_is_half_the_gradient_of_the_pull():
     assert np.allclose(2 * right, derivative(energy, size), atol=1e-6)
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("size", [0.005, 0.3])  # well below and well above BEND
 def test_strain_and_its_gradient(size):
     _, graph, _ = blob()
@@ -236,6 +244,7 @@ def test_values_spread_over_the_nodes():
     assert along.max() <= points[rows, 0].max()
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("size", [1, 7, 60])
 def test_the_cholesky_solution_is_that_of_the_lower_triangle(size):
     random = np.random.default_rng(size)
@@ -245,6 +254,7 @@ def test_the_cholesky_solution_is_that_of_the_lower_triangle(size):
     assert np.allclose(found, np.linalg.solve(system, right), rtol=1e-10)
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("width", [0, 1, 13])
 def test_the_cholesky_solution_of_a_banded_system(width):
     random = np.random.default_rng(width)
@@ -280,6 +290,7 @@ def test_a_step_solves_the_damped_normal_equations():
     assert np.allclose(solve(np.tril(system), right), expected, rtol=1e-3, atol=1e-5)
 
 
+@pytest.mark.uncompiled
 def test_steps_bring_points_to_their_goals():
     points, graph, attachment = blob()
     pose = disturbed(graph, 0.2)
@@ -295,6 +306,7 @@ def test_steps_bring_points_to_their_goals():
     assert gaps[-1] < 0.02 * gaps[0]
 
 
+@pytest.mark.uncompiled
 def test_turns_are_those_of_scipy_up_to_the_largest():
     random = np.random.default_rng(2)
     before = Rotation.random(50, random_state=3).as_matrix()
@@ -315,6 +327,7 @@ def wide(attachment, points, graph):
     return np.arange(count + 1) * n, np.tile(np.arange(n), count), (share.T + 0.05).ravel()
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("outliers", [0.0, 0.2])
 def test_local_motions_find_a_rigid_motion(outliers):
     points, graph, attachment = blob(n=200)
@@ -374,6 +387,7 @@ def test_parts_of_a_chain():
     assert chain().parts(np.zeros(6, dtype=bool)) == []
 
 
+@pytest.mark.uncompiled
 def test_strain_of_a_chain():
     graph = chain()
     assert graph.strain(rigid_pose(graph, rotation(2), [5.0, 1.0, -3.0])) < 1e-20
@@ -383,6 +397,7 @@ def test_strain_of_a_chain():
     assert 1e-5 < graph.strain(bend) < graph.strain(sharper)
 
 
+@pytest.mark.uncompiled
 def test_a_node_turned_by_half_a_turn_strains_the_graph():
     graph = chain()
     pose = rest_pose(graph)
@@ -449,6 +464,7 @@ def test_attachments_to_fewer_nodes_than_influences():
     assert np.allclose(moved(points, points, hang, graph, rest_pose(graph))[0], points)
 
 
+@pytest.mark.uncompiled
 @settings(max_examples=30, deadline=None, derandomize=True, database=None)
 @given(st.integers(2, 12), st.integers(0, 40), st.integers(0, 10**6))
 def test_the_strongest_path_is_as_strong_as_its_weakest_edge(count, size, seed):

@@ -55,6 +55,11 @@ def test_likelihood_falls_with_each_cost_and_rises_with_the_score():
     assert log_likelihood(WEIGHTS, 1.0, 2e-4, 0.05, 0.4) == pytest.approx(at - 0.1 * WEIGHTS.fine_missed)
 
 
+def test_likelihood_is_a_weighted_sum():
+    weights = Weights(score=3.0, fine_strain=70.0, medial=5.0, fine_missed=0.5)
+    assert log_likelihood(weights, 2.0, 0.01, 0.3, 0.9) == pytest.approx(6 - 0.7 - 1.5 - 0.45)
+
+
 def test_the_same_balls_have_no_gap_and_others_that_of_their_nearest():
     others, radii = CENTERS[:25] + 0.05, RADII[:25]
     assert medial_gap(CENTERS, RADII, CENTERS, RADII) == 0
@@ -77,6 +82,8 @@ def test_balls_of_one_limb_meet_from_whichever_side_it_was_scanned():
 
 def test_surface_operators_have_no_medial_balls():
     assert medial_gap(CENTERS, 0 * RADII, CENTERS + 1, 0 * RADII) == 0
+    assert medial_gap(CENTERS, RADII, CENTERS + 1, 0 * RADII) == 0
+    assert medial_gap(CENTERS, 0 * RADII, CENTERS + 1, RADII) == 0
 
 
 def test_probabilities_add_up_and_do_not_overflow():
