@@ -23,7 +23,7 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "medialbench"
 
 
-def cache_path(name: str, parameters: Mapping[str, Any], module: str) -> Path:
+def cache_path(name: str, parameters: Mapping[str, Any], *modules: str) -> Path:
     """File of a body; changes with its parameters, with the code and with the libraries.
 
     Parameters
@@ -32,15 +32,15 @@ def cache_path(name: str, parameters: Mapping[str, Any], module: str) -> Path:
         Of the body; begins the file's name.
     parameters
         Everything that decides the body besides the code; values that JSON can hold.
-    module
-        Dotted name of the module that builds it; what it imports counts too.
+    *modules
+        Dotted names of the modules that build it; what they import counts too.
 
     Returns
     -------
     Path
         In `cache_folder`; need not exist.
     """
-    key = digest({"name": name, "parameters": parameters, "code": code_fingerprint(module)})
+    key = digest({"name": name, "parameters": parameters, "code": code_fingerprint(*modules)})
     return cache_folder() / f"{safe_name(name)}-{key[:20]}.npz"
 
 

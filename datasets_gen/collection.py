@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.placement import Placement
+from datasets_gen.mesh_placement import MeshPlacement
 from datasets_gen.record_arrays import check_ids, check_layout, check_values
 from datasets_gen.records import InputError, load_record, save_record, unpacking
 from datasets_gen.shape import Shape
@@ -34,8 +34,10 @@ class Collection:
         The rest pose; ground truth and geodesics live on it.
     mirror : (v,) int64 or None
         For left-right symmetric subjects, the vertex that mirrors each vertex; None where unknown.
-    placements : mapping of str to Placement
+    placements : mapping of str to MeshPlacement
         By pose, of shapes with a mesh of their own (parts, other meshings): where they lie on the reference.
+    remarks : tuple of str
+        What loading found out and changed, each one line.
 
     Raises
     ------
@@ -47,7 +49,8 @@ class Collection:
     shapes: tuple[Shape, ...]
     reference: Shape
     mirror: NDArray[np.int64] | None = None
-    placements: Mapping[str, Placement] = field(default_factory=dict)
+    placements: Mapping[str, MeshPlacement] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check that connectivity is shared, or bridged by a placement."""
@@ -119,7 +122,7 @@ class Collection:
     ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
         """The same surface points as faces of the reference and barycentric coordinates.
 
-        The identity where the shape has the faces of the reference; else `Placement.carried`.
+        The identity where the shape has the faces of the reference; else `MeshPlacement.carried`.
 
         Parameters
         ----------
@@ -170,6 +173,7 @@ class Collection:
             "stored": list(stored),
             "names": [shape.name for shape in stored.values()],
             "units": self.reference.units,
+            "remarks": list(self.remarks),
         }
         save_record(path, _KIND, arrays, meta)
 
@@ -191,9 +195,10 @@ class Collection:
                 vertices, faces, *place = own or (next(shared), arrays["faces"])
                 shapes[pose] = Shape(vertices, faces, name, meta["subject"], pose, meta["units"])
                 if place:
-                    placements[pose] = Placement(*place)
+                    placements[pose] = MeshPlacement(*place)
             chosen = tuple(shapes[pose] for pose in meta["poses"])
-            return cls(meta["subject"], chosen, shapes[meta["reference"]], arrays.get("mirror"), placements)
+            rest, mirror = shapes[meta["reference"]], arrays.get("mirror")
+            return cls(meta["subject"], chosen, rest, mirror, placements, tuple(meta.get("remarks", ())))
 
 
 def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
@@ -212,5 +217,7 @@ def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
             check_ids(arrays[names[1]], own, names[1])
             check_ids(arrays[names[2]], len(arrays["faces"]), names[2])
     check_values(Shape, {"subject": meta["subject"], "units": meta["units"]})
+    if not all(isinstance(remark, str) for remark in meta.get("remarks", ())):
+        raise ValueError("remarks are no texts")
     for pose, name in zip(meta["stored"], meta["names"], strict=True):
         check_values(Shape, {"pose": pose, "name": name})

@@ -56,11 +56,12 @@ def seed_of(*parts: Any) -> int:
     return int(digest(parts)[:8], 16) >> 1
 
 
-def digest_files(*paths: Path) -> str:
-    """Hash of the names and contents of files."""
+def digest_files(*paths: Path, root: Path | None = None) -> str:
+    """Hash of the names and contents of files; of their paths within `root`, where it is given."""
     total = hashlib.sha256()
     for path in sorted(paths):
-        total.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+        name = path.name if root is None else path.relative_to(root).as_posix()
+        total.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()
 
 

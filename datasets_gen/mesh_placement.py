@@ -1,4 +1,4 @@
-"""The `Placement` type: where a mesh with faces of its own lies on the reference of its subject."""
+"""The `MeshPlacement` type: where a mesh with faces of its own lies on the reference of its subject."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from datasets_gen.shape import Shape
 
 
 @dataclass(frozen=True)
-class Placement:
+class MeshPlacement:
     """For each vertex of a mesh, the same surface point on the reference.
 
     What a part of a shape, or a shape that was meshed anew, has instead of shared vertices and faces.
@@ -28,7 +28,7 @@ class Placement:
     barycentrics: NDArray[np.float64]
 
     @classmethod
-    def of_vertices(cls, ids: NDArray[np.integer], reference: Shape) -> "Placement":
+    def of_vertices(cls, ids: NDArray[np.integer], reference: Shape) -> "MeshPlacement":
         """The placement that sends each vertex to a vertex of the reference.
 
         Parameters

@@ -1,7 +1,7 @@
 """From a body plan to posed meshes: implicit surface, remeshed skin, weights, poses."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,8 @@ class BodyPlan:
         The first is the rest pose.
     symmetric : bool
         Whether the surface equals its mirror image across x = 0.
+    held_out : mapping of str to Pose
+        Further poses, which are given only where they are asked for by name, and are not for tuning.
     """
 
     name: str
@@ -70,6 +72,7 @@ class BodyPlan:
     stiffness: float
     poses: Mapping[str, Pose]
     symmetric: bool
+    held_out: Mapping[str, Pose] = field(default_factory=dict)
 
     def sizing(self, points: Array) -> Array:
         """Wanted edge length at points (n, 3); grows by a quarter of the distance from a detail."""
@@ -143,18 +146,57 @@ def _completed(vertices: Array, faces: Ints) -> tuple[Array, Ints, Ints]:
     return both, np.concatenate([faces, mirror[faces][:, ::-1]]), back
 
 
+@dataclass(frozen=True)
+class Skin:
+    """A meshed body in its rest pose, and how its bones carry it.
+
+    Attributes
+    ----------
+    vertices : (v, 3)
+    faces : (f, 3)
+    mirror : (v,) or None
+    weights : (v, bones)
+    skeleton : Skeleton
+    """
+
+    vertices: Array
+    faces: Ints
+    mirror: Ints | None
+    weights: Array
+    skeleton: Skeleton
+
+    @classmethod
+    def of_plan(cls, plan: BodyPlan) -> "Skin":
+        """Mesh the surface of a plan, and let the heat of its bones diffuse along it."""
+        vertices, faces, mirror = mesh_surface(plan)
+        owner = bone_of(vertices, plan.surface, plan.skeleton)
+        weights = diffused_weights(vertices, faces, owner, plan.skeleton, plan.stiffness)
+        return cls(vertices, faces, mirror, weights, plan.skeleton)
+
+    def posed(self, poses: Mapping[str, Pose], mush_steps: int = 12) -> dict[str, Array]:
+        """Vertices (v, 3) in each pose; every pose stands on y = 0."""
+        mush = DeltaMush.of_rest(self.vertices, self.faces, mush_steps)
+        found = {}
+        for name, pose in poses.items():
+            posed = self.vertices
+            if pose:
+                moved = dual_quaternion_skinning(posed, self.weights, *self.skeleton.transforms(pose))
+                posed = mush(moved)
+            found[name] = posed - [0.0, posed[:, 1].min(), 0.0]
+        return found
+
+
 @threadpool_limits.wrap(limits=1, user_api="blas")  # the last bits of a product depend on the threads
-def build_body(plan: BodyPlan, mush_steps: int = 12) -> Collection:
+def build_body(plan: BodyPlan) -> Collection:
     """Mesh a body plan and pose it; every pose stands on y = 0."""
-    vertices, faces, mirror = mesh_surface(plan)
-    owner = bone_of(vertices, plan.surface, plan.skeleton)
-    weights = diffused_weights(vertices, faces, owner, plan.skeleton, plan.stiffness)
-    mush = DeltaMush.of_rest(vertices, faces, mush_steps)
-    shapes = []
-    for name, pose in plan.poses.items():
-        posed = vertices
-        if pose:
-            posed = mush(dual_quaternion_skinning(vertices, weights, *plan.skeleton.transforms(pose)))
-        posed = posed - [0.0, posed[:, 1].min(), 0.0]
-        shapes.append(Shape(posed, faces.astype(np.int32), f"{plan.name}/{name}", plan.name, name, "m"))
-    return Collection(plan.name, tuple(shapes), shapes[0], mirror)
+    skin = Skin.of_plan(plan)
+    return collection_of(plan.name, skin.faces, skin.posed(plan.poses), skin.mirror)
+
+
+def collection_of(
+    subject: str, faces: Ints, posed: Mapping[str, Array], mirror: Ints | None = None
+) -> Collection:
+    """A collection, in metres, of vertices (v, 3) by pose, the reference first."""
+    shared = faces.astype(np.int32)
+    shapes = [Shape(each, shared, f"{subject}/{pose}", subject, pose, "m") for pose, each in posed.items()]
+    return Collection(subject, tuple(shapes), shapes[0], mirror)

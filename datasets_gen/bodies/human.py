@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.bodies.body_plan import BodyPlan, Detail
-from datasets_gen.bodies.human_poses import POSES
+from datasets_gen.bodies.human_poses import HELD_OUT, LIMITS, POSES
 from datasets_gen.bodies.implicit_surface import Body, Part, ellipsoid, sweep, unit
 from datasets_gen.bodies.proportions import (
     FLIP,
@@ -60,7 +60,7 @@ def skeleton() -> Skeleton:
         hinge("foot.L", "shin.L", ANKLE, BALL, -X),
         hinge("toes.L", "foot.L", BALL, BALL + 0.06 * TOE_OUT, -X),
     ]
-    return Skeleton((*middle, *left, *(b.mirrored() for b in left)))
+    return Skeleton((*middle, *left, *(b.mirrored() for b in left)), LIMITS)
 
 
 def surface() -> Body:
@@ -243,7 +243,9 @@ def plan(seed: int = 0) -> BodyPlan:
     for side, flip in (("L", np.ones(3)), ("R", FLIP)):
         details.append(Detail(f"hand.{side}", (WRIST + 0.115 * ARM + 0.01 * Z) * flip, 0.075, 0.0062))
         details.append(Detail(f"toes.{side}", (BALL + 0.045 * TOE_OUT) * flip, 0.04, 0.0085))
-    default = BodyPlan("human", skeleton(), surface(), tuple(details), EDGE, SPACING, STIFFNESS, POSES, True)
+    default = BodyPlan(
+        "human", skeleton(), surface(), tuple(details), EDGE, SPACING, STIFFNESS, POSES, True, HELD_OUT
+    )
     return proportioned(default, regions(), random_scales(regions(), seed))
 
 

@@ -4,7 +4,24 @@ Positive flexion bends the trunk forward, lifts arms and thighs to the front and
 positive swing lifts an arm or a leg to its side; positive twist of the trunk turns it to the left.
 """
 
-from datasets_gen.bodies.skeleton import Angles, Pose
+from datasets_gen.bodies.skeleton import Angles, Limits, Pose
+
+FIXED = (0.0, 0.0)
+SPINE = ((-15.0, 30.0), (-20.0, 20.0), (-12.0, 12.0))
+
+LIMITS: Limits = {
+    "waist": SPINE, "ribs": SPINE, "chest": SPINE,
+    "neck": ((-40, 35), (-40, 40), (-25, 25)), "head": ((-30, 25), (-40, 40), (-20, 20)),
+    "clavicle": ((-10, 35), FIXED, FIXED), "upper_arm": ((-60, 170), (-90, 90), (-55, 135)),
+    "forearm": ((0, 145), FIXED, FIXED), "hand": ((-70, 75), FIXED, FIXED),
+    "thigh": ((-30, 120), (-45, 45), (-25, 45)), "shin": ((0, 145), FIXED, FIXED),
+    "foot": ((-50, 25), FIXED, FIXED), "toes": ((-30, 60), FIXED, FIXED),
+}  # fmt: skip
+"""Ranges of motion about the rest pose, in which the arms hang 46 degrees below the level, as in goniometry
+[NW16]. The spine's share is that of each of its three bones.
+
+[NW16] C. C. Norkin, D. J. White, "Measurement of joint motion: a guide to goniometry", 5th ed., 2016.
+"""
 
 
 def both(**angles: Angles) -> dict[str, Angles]:
@@ -80,3 +97,19 @@ POSES: dict[str, Pose] = {
         "head": (0, 8, 6),
     },
 }  # fmt: skip
+
+HELD_OUT: dict[str, Pose] = {
+    "kneel": {
+        **leg("L", 78, 82, 4, 6), **leg("R", -4, 88, -34, 4), "toes.R": (40, 0, 0), **arm("L", 44, -26, 34),
+        **arm("R", 10, -34, 22), **trunk(8, -6), "head": (-6, 10, 0),
+    },
+    "throw": {
+        **arm("R", -30, 62, 78, 30), **arm("L", 78, -6, 16), **leg("L", 34, 18, -2, 8),
+        **leg("R", -20, 14, 2, 8), **trunk(-8, -26), "clavicle.R": (12, 0, 0), "head": (0, 18, 0),
+    },
+    "climb": {
+        **arm("L", 135, -18, 14), **arm("R", 84, -24, 66), **leg("R", 78, 82, -4, 14),
+        **leg("L", 6, 10, -12, 6), "clavicle.L": (22, 0, 0), **trunk(6, 0, 4), "head": (-18, 0, 0),
+    },
+}  # fmt: skip
+"""Poses that are built where they are asked for by name, on which nothing was tuned."""

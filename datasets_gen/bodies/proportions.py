@@ -1,12 +1,12 @@
 """Mirror images and proportions of bodies: every part, bone and detail follows the region that it lies in."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.bodies.body_plan import BodyPlan
+from datasets_gen.bodies.body_plan import BodyPlan, Skin
 from datasets_gen.bodies.implicit_surface import Body, Part, unit
 from datasets_gen.bodies.skeleton import Skeleton, other_side
 
@@ -81,7 +81,9 @@ class Affine:
         return self.matrix @ point + self.shift
 
 
-def region_maps(regions: dict[str, Region], scales: dict[str, tuple[float, float]]) -> dict[str, Affine]:
+def region_maps(
+    regions: Mapping[str, Region], scales: Mapping[str, tuple[float, float]]
+) -> dict[str, Affine]:
     """Map of each region, which stretches it about its anchor and follows its parent.
 
     Parameters
@@ -101,6 +103,40 @@ def region_maps(regions: dict[str, Region], scales: dict[str, tuple[float, float
     return maps
 
 
+def bone_maps(regions: Mapping[str, Region], scales: Mapping[str, tuple[float, float]]) -> dict[str, Affine]:
+    """Map of each bone: that of its region (`region_maps`)."""
+    maps = region_maps(regions, scales)
+    return {name: maps[region] for region, value in regions.items() for name in value.bones}
+
+
+def scaled_skeleton(skeleton: Skeleton, of_bone: Mapping[str, Affine]) -> Skeleton:
+    """A skeleton whose joints follow the maps of their bones; axes stay."""
+    bones = [replace(b, head=of_bone[b.name](b.head), tail=of_bone[b.name](b.tail)) for b in skeleton.bones]
+    return replace(skeleton, bones=tuple(bones))
+
+
+def varied_skin(skin: Skin, regions: Mapping[str, Region], scales: Mapping[str, tuple[float, float]]) -> Skin:
+    """The skin of a subject of other proportions with the same vertices and faces: truth across subjects.
+
+    A vertex follows the maps of its bones, weighted as its bones move it, so that regions pass into each
+    other smoothly. The map is not isometric.
+
+    Parameters
+    ----------
+    skin
+    regions
+        Parents before children; every bone belongs to one.
+    scales
+        (length, girth) factors of regions; 1 where absent.
+    """
+    of_bone = bone_maps(regions, scales)
+    maps = [of_bone[bone.name] for bone in skin.skeleton.bones]
+    matrices, shifts = np.stack([each.matrix for each in maps]), np.stack([each.shift for each in maps])
+    blended = np.einsum("vb,bij->vij", skin.weights, matrices)
+    moved = np.einsum("vij,vj->vi", blended, skin.vertices) + skin.weights @ shifts
+    return replace(skin, vertices=moved, skeleton=scaled_skeleton(skin.skeleton, of_bone))
+
+
 def scaled_part(part: Part, by: Affine) -> Part:
     """A part whose position and sizes follow a map; its cross-sections stay super-ellipses."""
     side, along, front = (float(np.linalg.norm(by.matrix @ axis)) for axis in part.axes)
@@ -118,7 +154,7 @@ def scaled_part(part: Part, by: Affine) -> Part:
 
 
 def proportioned(
-    plan: BodyPlan, regions: dict[str, Region], scales: dict[str, tuple[float, float]]
+    plan: BodyPlan, regions: Mapping[str, Region], scales: Mapping[str, tuple[float, float]]
 ) -> BodyPlan:
     """A plan whose regions are scaled; parts, bones and details go with the region of their (first) bone.
 
@@ -130,20 +166,37 @@ def proportioned(
     scales
         (length, girth) factors of regions; 1 where absent.
     """
-    maps = region_maps(regions, scales)
-    of_bone = {name: maps[region] for region, value in regions.items() for name in value.bones}
-    bones = [
-        replace(b, head=of_bone[b.name](b.head), tail=of_bone[b.name](b.tail)) for b in plan.skeleton.bones
-    ]
+    of_bone = bone_maps(regions, scales)
+    skeleton = scaled_skeleton(plan.skeleton, of_bone)
     parts = [scaled_part(part, of_bone[part.bones[0]]) for part in plan.surface.parts]
     details = [replace(d, center=of_bone[d.bone](d.center)) for d in plan.details]
-    return replace(plan, skeleton=Skeleton(tuple(bones)), surface=Body(tuple(parts)), details=tuple(details))
+    return replace(plan, skeleton=skeleton, surface=Body(tuple(parts)), details=tuple(details))
 
 
-def random_scales(regions: dict[str, Region], seed: int) -> dict[str, tuple[float, float]]:
-    """Random proportions, equal on both sides: lengths within 7 % and girths within 10 % of the default.
+def random_scales(
+    regions: Mapping[str, Region],
+    seed: int,
+    *,
+    lengths: tuple[float, float] = (0.93, 1.07),
+    girths: tuple[float, float] = (0.9, 1.1),
+    same_length: Mapping[str, str] | None = None,
+) -> dict[str, tuple[float, float]]:
+    """Random proportions, equal on both sides.
 
-    Seed 0 is the default body.
+    Parameters
+    ----------
+    regions
+    seed
+        0 is the default body.
+    lengths, girths
+        Ranges of the factors.
+    same_length
+        Regions of the left side that take the length of another, so that all feet stay level.
+
+    Returns
+    -------
+    dict
+        (length, girth) factors by region; empty for the default body.
     """
     if seed == 0:
         return {}
@@ -151,5 +204,7 @@ def random_scales(regions: dict[str, Region], seed: int) -> dict[str, tuple[floa
     scales: dict[str, tuple[float, float]] = {}
     for name in regions:
         if not name.endswith(".R"):
-            scales[name] = (float(rng.uniform(0.93, 1.07)), float(rng.uniform(0.9, 1.1)))
+            scales[name] = (float(rng.uniform(*lengths)), float(rng.uniform(*girths)))
+    for name, like in (same_length or {}).items():
+        scales[name] = (scales[like][0], scales[name][1])
     return scales | {other_side(name): value for name, value in scales.items()}

@@ -16,7 +16,7 @@ from datasets_gen.bodies.proportions import (
     random_scales,
     side_regions,
 )
-from datasets_gen.bodies.quadruped_poses import POSES
+from datasets_gen.bodies.quadruped_poses import HELD_OUT, LIMITS, POSES
 from datasets_gen.bodies.skeleton import Skeleton, hinge
 
 Array = NDArray[np.float64]
@@ -39,6 +39,7 @@ HOCK = np.array([0.15, 0.60, -0.62])
 HIND_FETLOCK = np.array([0.147, 0.19, -0.588])
 HIND_HOOF = np.array([0.147, 0.03, -0.525])
 LEG_ROOT = 1.15  # height from which all legs are scaled, so that all four hooves stay level
+SAME_LENGTH = {"hind.L": "fore.L"}
 
 
 def skeleton() -> Skeleton:
@@ -66,7 +67,7 @@ def skeleton() -> Skeleton:
         hinge("hind_hoof.L", "hind_cannon.L", HIND_FETLOCK, HIND_HOOF, X),
         hinge("ear.L", "head", (0.055, 1.985, 0.895), (0.075, 2.13, 0.90), X),
     ]
-    return Skeleton((*middle, *left, *(b.mirrored() for b in left)))
+    return Skeleton((*middle, *left, *(b.mirrored() for b in left)), LIMITS)
 
 
 def surface() -> Body:
@@ -238,9 +239,7 @@ def plan(seed: int = 0) -> BodyPlan:
         ]
         details.append(Detail(f"ear.{side}", np.array([0.062, 2.06, 0.91]) * flip, 0.05, 0.011))
     default = BodyPlan(
-        "quadruped", skeleton(), surface(), tuple(details), EDGE, SPACING, STIFFNESS, POSES, True
+        "quadruped", skeleton(), surface(), tuple(details), EDGE, SPACING, STIFFNESS, POSES, True, HELD_OUT
     )
-    scales = random_scales(regions(), seed)
-    for side in ("L", "R") if scales else ():
-        scales[f"hind.{side}"] = (scales[f"fore.{side}"][0], scales[f"hind.{side}"][1])
+    scales = random_scales(regions(), seed, same_length=SAME_LENGTH)
     return proportioned(default, regions(), scales)

@@ -4,7 +4,25 @@ Positive flexion swings a leg's upper bone forward and closes each joint below i
 spine and lifts the tail. Positive swing spreads a leg.
 """
 
-from datasets_gen.bodies.skeleton import Angles, Pose
+from datasets_gen.bodies.skeleton import Angles, Limits, Pose
+
+FIXED = (0.0, 0.0)
+
+LIMITS: Limits = {
+    "loin": ((-12, 15), (-5, 5), (-10, 10)), "chest": ((-8, 12), (-8, 8), (-12, 12)),
+    "neck": ((-30, 75), (-20, 20), (-45, 45)), "crest": ((-25, 45), (-20, 20), (-40, 40)),
+    "head": ((-55, 40), (-25, 25), (-20, 20)), "tail": ((-15, 70), (-20, 20), (-35, 35)),
+    "tail_middle": ((-30, 40), (-20, 20), (-30, 30)), "tail_end": ((-30, 40), (-20, 20), (-30, 30)),
+    "ear": ((-40, 40), (-60, 60), (-20, 20)), "shoulder": ((-15, 15), FIXED, FIXED),
+    "upper_fore": ((-25, 45), (-8, 8), (-10, 15)), "forearm": ((-15, 75), FIXED, FIXED),
+    "fore_cannon": ((-5, 115), FIXED, FIXED), "fore_hoof": ((-40, 80), FIXED, FIXED),
+    "thigh": ((-45, 45), (-8, 8), (-8, 20)), "gaskin": ((-25, 65), FIXED, FIXED),
+    "hind_cannon": ((-25, 75), FIXED, FIXED), "hind_hoof": ((-40, 80), FIXED, FIXED),
+}  # fmt: skip
+"""Ranges of motion about the stand: of the legs as in horses at walk, trot and jump [BC13], rounded outward.
+
+[BC13] W. Back, H. M. Clayton (eds.), "Equine locomotion", 2nd ed., 2013.
+"""
 
 
 def fore(
@@ -75,3 +93,17 @@ POSES: dict[str, Pose] = {
         "tail": (55, 0, 0), "tail_middle": (20, 0, 0),
     },
 }  # fmt: skip
+
+HELD_OUT: dict[str, Pose] = {
+    "paw": {
+        **fore("R", 4, 30, 44, 62, 30), **fore("L", -2, -4, 0, 0, 4), **hind("L", -6, -2, 0, 6),
+        **hind("R", 8, 4, 4, 0), "neck": (30, 0, -10), "crest": (20, 0, -12), "head": (-18, 0, 0),
+        "tail": (14, 0, -12),
+    },
+    "canter": {
+        **fore("L", 6, 30, 18, 10, 12), **fore("R", 0, -8, 18, 62, 40), **hind("L", 24, 8, 10, 4, 4),
+        **hind("R", -20, -6, -6, 22), "hips": (-8, 0, 0), "loin": (3, 0, 0), "neck": (-6, 0, 6),
+        "crest": (10, 0, 8), "head": (4, 0, 0), "tail": (30, 0, 14),
+    },
+}  # fmt: skip
+"""Poses that are built where they are asked for by name, on which nothing was tuned."""

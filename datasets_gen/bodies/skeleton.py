@@ -1,7 +1,7 @@
 """Bones, poses and the transforms that a pose gives to the bones."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,9 @@ from datasets_gen.bodies.implicit_surface import unit
 Array = NDArray[np.float64]
 Angles = tuple[float, float, float]
 Pose = Mapping[str, Angles]
+Range = tuple[float, float]
+Limits = Mapping[str, tuple[Range, Range, Range]]
+"""Least and greatest flexion, twist and swing in degrees by bone, without the side: both sides are alike."""
 
 
 def other_side(name: str) -> str:
@@ -70,13 +73,30 @@ class Skeleton:
     Attributes
     ----------
     bones : tuple of Bone
+    limits : mapping of str to three ranges
+        What the joints of an animal of this kind can do, from the rest pose. A bone that is not named does
+        not turn; the root, which places the whole body, may turn freely.
     """
 
     bones: tuple[Bone, ...]
+    limits: Limits = field(default_factory=dict)
 
     def index(self, name: str) -> int:
         """Position of a bone."""
         return [b.name for b in self.bones].index(name)
+
+    def beyond_limits(self, pose: Pose) -> list[str]:
+        """What a pose asks of joints beyond `limits`, a line for each angle; empty for a sound pose."""
+        found = []
+        for name, angles in pose.items():
+            bone = self.bones[self.index(name)]
+            if bone.parent is None:
+                continue
+            ranges = self.limits.get(name.removesuffix(".L").removesuffix(".R"), ((0.0, 0.0),) * 3)
+            for kind, angle, (low, high) in zip(("flexion", "twist", "swing"), angles, ranges, strict=True):
+                if not low <= angle <= high:
+                    found.append(f"{kind} of {name} is {angle:g}, allowed are {low:g} to {high:g} degrees")
+        return found
 
     def transforms(self, pose: Pose) -> tuple[Array, Array]:
         """Rotation (b, 3, 3) and translation (b, 3) that take each bone from rest into a pose.

@@ -4,7 +4,7 @@ The matcher compares finalists by a log-likelihood (`medial.matching.registratio
 the finalists of many pairs of scans with their evidence and errors, fits the weights of the likelihood to the
 pairs of all bodies but one, judges them on that one, and shows what halving and doubling the shipped weights
 would change. ``--folder DIR`` adds a folder of posed meshes; ``-o FILE`` keeps the table, ``--fits FILE``
-judges a kept one.
+judges a kept one. Held-out bodies, seeds and poses (`datasets_gen.registry.held_out`) are refused.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 import datasets_gen
 from datasets_gen.compiled import run_tasks
 from datasets_gen.records import InputError
+from datasets_gen.registry import held_out
 from datasets_gen.values import check_count, check_seed
 from medial import Diffusion
 from medial.matching.candidate_batches import first_batch, first_landmarks_of, second_batch
@@ -121,6 +122,13 @@ def finalists_of(
     return rows
 
 
+def check_not_held_out(bodies: list[str]) -> None:
+    """Raise InputError for the first body that is held out, or a folder into which one was written."""
+    for name in bodies:
+        if held_out(name):
+            raise InputError(f"{name!r} is held out: no weight may be fitted to it; leave it out")
+
+
 def collected(bodies: list[str], points: int, pairs: str, seed: int) -> Iterator[dict[str, Any]]:
     """Rows of the table of finalists, one pair of scans after the other."""
     for body in [datasets_gen.load(name) for name in bodies]:
@@ -209,6 +217,7 @@ def main() -> None:
         check_seed(given.seed, "seed")
         if given.out and not given.out.absolute().parent.is_dir():
             raise InputError(f"cannot write {str(given.out)!r}: there is no such folder")
+        check_not_held_out([*BODIES, *given.folder])
         if given.fits:
             table = read(given.fits)
         else:

@@ -1,4 +1,5 @@
 import logging
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def test_key_changes_with_name_parameters_and_code(monkeypatch):
         path_of("a", 2),
         path_of("a", 1, "datasets_gen.bodies.quadruped"),
     }
-    monkeypatch.setattr(cache, "code_fingerprint", lambda module: "other")
+    monkeypatch.setattr(cache, "code_fingerprint", lambda *modules: "other")
     paths.add(path_of("a", 1))
     assert len(paths) == 5
     assert path_of("a", 1) in paths
@@ -88,14 +89,17 @@ def test_a_name_is_no_way_out_of_the_cache(tmp_path):
 @pytest.mark.parametrize("kind", ["cut", "garbled", "flipped", "empty"])
 def test_a_damaged_body_is_built_again_and_replaced(kind, monkeypatch, caplog):
     from datasets_gen import registry
+    from datasets_gen.bodies import built_in
 
     built = []
 
-    def build(plan):
+    def build(plan, *others):
         built.append(plan)
-        return ball()
+        poses = registry.outline("human")["poses"]
+        shapes = tuple(replace(posed("rest"), name=f"ball/{pose}", pose=pose) for pose in poses)
+        return Collection("ball", shapes, shapes[0])
 
-    monkeypatch.setattr(registry, "build_body", build)
+    monkeypatch.setattr(built_in, "build_subjects", build)
     expected = registry.load("human")
     (path,) = cache.cache_folder().glob("human-*.npz")
     whole = path.read_bytes()

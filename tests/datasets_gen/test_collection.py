@@ -5,8 +5,8 @@ import pytest
 import trimesh
 
 from datasets_gen import Collection, InputError, Shape
+from datasets_gen.mesh_placement import MeshPlacement
 from datasets_gen.meshes.nearest_faces import nearest_on_mesh
-from datasets_gen.placement import Placement
 from datasets_gen.records import load_record, save_record
 from tests.datasets_gen.collections.test_folder import posed
 
@@ -69,7 +69,7 @@ def sphere_collection(subdivisions: int) -> tuple[Collection, np.ndarray]:
     rest = Shape(np.array(fine.vertices), np.array(fine.faces, np.int32), "ball/rest", "ball", "rest")
     stretch = np.array([1.0, 2.0, 0.5])
     part = Shape(coarse.vertices * stretch, np.array(coarse.faces, np.int32), "ball/part", "ball", "part")
-    place = Placement(*nearest_on_mesh(rest.vertices, rest.faces, np.array(coarse.vertices)))
+    place = MeshPlacement(*nearest_on_mesh(rest.vertices, rest.faces, np.array(coarse.vertices)))
     return Collection("ball", (rest, part), rest, placements={"part": place}), stretch
 
 
@@ -100,7 +100,7 @@ def test_a_file_holds_placements(tmp_path):
 def test_a_placement_has_an_entry_for_each_vertex():
     body, _ = sphere_collection(2)
     place = body.placements["part"]
-    short = Placement(place.face_ids[1:], place.barycentrics[1:])
+    short = MeshPlacement(place.face_ids[1:], place.barycentrics[1:])
     with pytest.raises(InputError, match="has 162 vertices, its ground truth 161 entries"):
         replace(body, placements={"part": short})
 
@@ -108,7 +108,7 @@ def test_a_placement_has_an_entry_for_each_vertex():
 def test_vertices_of_the_reference_place_a_shape():
     body, _ = sphere_collection(2)
     rest = body.reference
-    place = Placement.of_vertices(np.array([5, 0, 161]), rest)
+    place = MeshPlacement.of_vertices(np.array([5, 0, 161]), rest)
     assert np.array_equal(rest.at(place.face_ids, place.barycentrics), rest.vertices[[5, 0, 161]])
     with pytest.raises(InputError, match="vertex 2562 of 'ball/rest' is named, but it has 2562 vertices"):
-        Placement.of_vertices(np.array([2562]), rest)
+        MeshPlacement.of_vertices(np.array([2562]), rest)

@@ -17,6 +17,7 @@ finite = st.floats(-1, 1)
 blends = st.floats(1e-3, 0.5)
 
 
+@pytest.mark.uncompiled
 @settings(deadline=None)
 @given(finite, finite, blends)
 def test_smooth_minimum_is_symmetric_below_the_minimum_and_sharp_outside_the_blend(a, b, blend):
@@ -27,6 +28,7 @@ def test_smooth_minimum_is_symmetric_below_the_minimum_and_sharp_outside_the_ble
         assert value == pytest.approx(min(a, b))
 
 
+@pytest.mark.uncompiled
 @settings(deadline=None)
 @given(st.tuples(finite, finite, finite).filter(lambda p: np.linalg.norm(p) > 1e-3), st.floats(0.1, 2))
 def test_distance_to_a_sphere_is_exact(point, radius):
@@ -45,6 +47,7 @@ def slow_radial_distance(point, radii, power):
     return (k(point) - 1) / np.linalg.norm(slope)
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("power", [2.0, 2.5, 4.0])
 def test_first_order_distance_matches_its_definition(power):
     rng = np.random.default_rng(1)
@@ -80,6 +83,7 @@ def test_sweep_of_constant_circles_is_a_capsule():
     assert body(points)[near] == pytest.approx(distance[near], abs=1e-9)
 
 
+@pytest.mark.uncompiled
 def test_profile_shifts_and_widths_place_the_surface():
     part = sweep(
         "b",
@@ -115,6 +119,7 @@ def test_bounds_contain_the_inside_and_touch_it():
         assert (np.ptp(inside, axis=0) > 0.6 * (upper - lower)).all()
 
 
+@pytest.mark.uncompiled
 def test_joined_parts_swell_at_their_meeting_and_carving_removes():
     a = ellipsoid("b", (0, 0, 0), (0.2, 0.2, 0.2), blend=0.05)
     b = ellipsoid("b", (0.3, 0, 0), (0.2, 0.2, 0.2), blend=0.05)
@@ -131,6 +136,7 @@ def test_gradient_points_outward_with_unit_length():
     assert body.gradient(0.2 * directions) == pytest.approx(directions, abs=1e-5)
 
 
+@pytest.mark.uncompiled
 def test_grid_holds_the_field_at_its_nodes():
     body = Body((ellipsoid("b", (0, 0, 0), (0.2, 0.1, 0.15), blend=0.05),))
     axes = (np.linspace(-0.3, 0.3, 5), np.linspace(-0.2, 0.2, 4), np.linspace(-0.2, 0.3, 3))

@@ -35,12 +35,29 @@ def test_children_follow_and_turn_about_their_own_joint():
 def test_twist_leaves_the_bone_in_place():
     pose = {"upper": (0, 70, 0)}
     assert moved(ARM, pose, "upper", (1, 0, 0)) == pytest.approx((1, 0, 0))
-    assert moved(ARM, pose, "upper", (0, 1, 0)) != pytest.approx((0, 1, 0))
+    turned = moved(ARM, pose, "upper", (0, 1, 0))
+    assert turned == pytest.approx((0, np.cos(np.radians(70)), np.sin(np.radians(70))))
 
 
 def test_unknown_bones_are_named():
     with pytest.raises(KeyError, match="tentacle"):
         ARM.transforms({"tentacle": (1, 0, 0)})
+
+
+def test_angles_beyond_the_limits_of_a_joint_are_told():
+    limits = {"forearm": ((0, 145), (0, 0), (-5, 5))}
+    bones = (
+        hinge("trunk", None, (0, 0, 0), (0, 1, 0), (1, 0, 0)),
+        hinge("forearm.L", "trunk", (0, 1, 0), (1, 1, 0), (0, 0, 1)),
+        hinge("hand.L", "forearm.L", (1, 1, 0), (2, 1, 0), (0, 0, 1)),
+    )
+    skeleton = Skeleton(bones, limits)
+    assert skeleton.beyond_limits({"forearm.L": (145, 0, -5), "trunk": (500, 9, 9)}) == []
+    assert skeleton.beyond_limits({"forearm.L": (-1, 0, 6), "hand.L": (3, 0, 0)}) == [
+        "flexion of forearm.L is -1, allowed are 0 to 145 degrees",
+        "swing of forearm.L is 6, allowed are -5 to 5 degrees",
+        "flexion of hand.L is 3, allowed are 0 to 0 degrees",
+    ]
 
 
 @pytest.mark.parametrize("skeleton", [human_skeleton(), horse_skeleton()])
