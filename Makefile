@@ -7,16 +7,20 @@ CASES  ?= 1000000
 JOBS   ?= 1
 CORE   := $(VENV)/.core
 DEV    := $(VENV)/.dev
+DOCS   := $(VENV)/.docs
 
-.PHONY: bench test test-all lint perf fuzz clean help
+.PHONY: bench test test-all coverage lint perf fuzz mutation docs clean help
 
 help:
 	@echo "make bench     set up, then scan, match, evaluate and report on the built-in shapes"
 	@echo "make test      set up, then run the default tests"
 	@echo "make test-all  the same with the slow tests"
+	@echo "make coverage  the default tests, and the share of branches that they take"
 	@echo "make lint      ruff (lint, format) and mypy"
 	@echo "make perf      time and memory of every stage"
 	@echo "make fuzz      broken files for every reader: CASES=$(CASES) in JOBS=$(JOBS) processes"
+	@echo "make mutation  are formulas tested? changes operators and numbers of a copy (hours); MODULES=..."
+	@echo "make docs      the pages of docs/ and the reference, as build/docs/index.html"
 
 $(CORE): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "no python3.11 on PATH; install it or set PYTHON=..." >&2; exit 1; }
@@ -43,6 +47,14 @@ test: $(DEV)
 test-all: $(DEV)
 	$(BIN)/python -m pytest -n auto
 
+# Kernels are measured uncompiled, in a run of their own: what Numba compiles is not traced.
+coverage: $(DEV)
+	$(BIN)/python -m coverage erase
+	$(BIN)/python -m coverage run -m pytest -q -m "not slow" -n auto
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run -m pytest -q -m uncompiled -n auto
+	$(BIN)/python -m coverage combine -q
+	$(BIN)/python -m coverage report --skip-covered --sort=cover
+
 lint: $(DEV)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -54,6 +66,19 @@ perf: $(DEV)
 
 fuzz: $(DEV)
 	$(BIN)/python -m tests.fuzzing.fuzz --count $(CASES) --processes $(JOBS)
+
+mutation: $(DEV)
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.[mutation]'
+	$(BIN)/python -m tests.mutation.mutate $(MODULES)
+
+$(DOCS): $(CORE)
+	@echo "Installing Sphinx into $(VENV) ..."
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.[docs]'
+	@touch $@
+
+docs: $(DOCS)
+	@$(BIN)/python -m sphinx -q -W --keep-going -j auto -b html -d build/doctrees docs build/docs
+	@echo "build/docs/index.html"
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

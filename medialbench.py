@@ -73,9 +73,9 @@ def load(name: str | os.PathLike[str], **options: Any) -> "Collection":
     Parameters
     ----------
     name
-        "human", "human_asymmetric", "quadruped", or a folder with a mesh per pose (.ply, .obj, .off).
+        Of `datasets_gen.names`, such as "human", or a folder with a mesh per pose (.ply, .obj, .off).
     **options
-        `seed` (proportions of a built-in body), `poses` (names), and those of `datasets_gen.load_folder`.
+        Those of `datasets_gen.bodies.built_in.load_body` (`seed`, ...) or of `datasets_gen.load_folder`.
 
     Returns
     -------

@@ -22,7 +22,7 @@ on Linux with Python 3.11 and all extras installed.
 """
 
 
-FROM_FILES = {"openexr": "BSD-3-Clause", "atheris": "Apache-2.0"}
+FROM_FILES = {"openexr": "BSD-3-Clause", "atheris": "Apache-2.0", "anny": "Apache-2.0 AND CC0-1.0"}
 """Licences of packages whose metadata say nothing, from the licence files that they install."""
 
 
@@ -30,6 +30,7 @@ def main() -> None:
     """Write the page."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     groups = {"always": project["dependencies"], **project["optional-dependencies"]}
+    del groups["all"]  # the packages of other extras
     needed: dict[str, tuple[Distribution | None, str, list[str]]] = {}
     for group, requirements in groups.items():
         for name, found in _closure(requirements).items():

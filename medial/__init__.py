@@ -8,7 +8,7 @@ Read `paper` first: the operator from its equations alone; `docs/paper.md` lists
 * `diffusion`: the result, and its heat kernel
 * `matching` (Sec. 4, Eqs. 16-17 and what goes beyond them) and `symmetry` (Sec. 5.2)
 * `departures`: what differs from the paper, each to be switched off by name
-* `places`, `outward`, `validation`: what is done to a cloud before an operator is built
+* `places`, `outward`, `sides`, `validation`: what is done to a cloud before an operator is built
 * `device`: the same on a GPU, which no reader needs; `precompile`: run once after installation
 
 Constants at the head of a module decide results: change one and every map changes with it. Task sizes

@@ -13,7 +13,11 @@ Array = NDArray[np.float64]
 
 
 def smoothed_density(distances: Array, areas: Array, sigma: float) -> float:
-    """Eq. 1: the smoothed density of the surface at a medial point x, as a sum over the surface.
+    r"""Eq. 1: the smoothed density of the surface at a medial point x, as a sum over the surface.
+
+    .. math::
+
+        |\tilde\Gamma(x)| = \int_S \exp\left(-\frac{d(z, \Pi_x(z))}{\sigma}\right) dz
 
     The surface area near the points Gamma(x) where the medial ball of x touches the surface. In the code:
     nothing computes it, because an integral over the surface (Eq. 3) holds it already.
@@ -35,7 +39,12 @@ def smoothed_density(distances: Array, areas: Array, sigma: float) -> float:
 
 
 def medial_averages(points: Array, normals: Array, phi: Array) -> tuple[Array, Array]:
-    """Eq. 9: medial point and radius of every point, averages of its candidate balls weighted by phi.
+    r"""Eq. 9: medial point and radius of every point, averages of its candidate balls weighted by phi.
+
+    .. math::
+
+        \hat p_i = \frac{\sum_j c_{ij}\, \phi(p_i, p_j)}{\sum_j \phi(p_i, p_j)},
+        \qquad r_i = \frac{\sum_j r_{ij}\, \phi(p_i, p_j)}{\sum_j \phi(p_i, p_j)}
 
     In the code: a point without any similar point, for which the average is 0 / 0, takes the radius of the
     nearest point that has one (`medial.areas.dual_area.medial_axis`).
@@ -70,7 +79,11 @@ def average_distance(points: Array) -> float:
 
 
 def medial_neighbourhood(i: int, centers: Array, epsilon: float) -> NDArray[np.intp]:
-    """Eq. 10: B_i, the points whose medial points are within epsilon of that of point i.
+    r"""Eq. 10: B_i, the points whose medial points are within epsilon of that of point i.
+
+    .. math::
+
+        B_i = \{ p_j \in P \mid |\hat p_i - \hat p_j| < \varepsilon \}
 
     In the code: the twelve points nearest to point i join B_i. Without them, a point whose neighbours on the
     surface happen to have other medial points gets triangles that span half the body.

@@ -31,7 +31,12 @@ def gaussian(points: Array, h: float) -> Array:
 def laplacian_over_medial_axis(
     f: Array, medial_points: Array, masses: Array, density: Array, h: float
 ) -> Array:
-    """Eq. 2: the Medial Laplacian of f as a sum over samples of the medial axis.
+    r"""Eq. 2: the Medial Laplacian of f as a sum over samples of the medial axis.
+
+    .. math::
+
+        \Delta_M f(p) = f(p) \int_M \alpha(p, q)\, |\tilde\Gamma(q)|\, dq
+        - \int_M f(q)\, \alpha(p, q)\, |\tilde\Gamma(q)|\, dq
 
     In the code: nothing computes it, because it needs an explicit medial axis; Eq. 3 is the same integral
     over the surface.
@@ -56,7 +61,12 @@ def laplacian_over_medial_axis(
 
 
 def laplacian_over_surface(f: Array, medial_points: Array, areas: Array, h: float) -> Array:
-    """Eq. 3: the Medial Laplacian of f as a sum over samples of the surface.
+    r"""Eq. 3: the Medial Laplacian of f as a sum over samples of the surface.
+
+    .. math::
+
+        \Delta_S f(p) = f(\hat p) \int_S \alpha(\hat p, \hat q)\, dq
+        - \int_S f(\hat q)\, \alpha(\hat p, \hat q)\, dq
 
     The density of Eq. 1 is implicit: medial points of large parts of the surface occur more often.
 
@@ -82,7 +92,12 @@ def laplacian_over_surface(f: Array, medial_points: Array, areas: Array, h: floa
 
 
 def point_cloud_laplacian(f: Array, phi: Array, areas: Array) -> Array:
-    """Eq. 8: the point cloud Medial Laplacian of f.
+    r"""Eq. 8: the point cloud Medial Laplacian of f.
+
+    .. math::
+
+        \Delta_P f(p) = f(p) \sum_{q \in P} \phi(p, q)\, |{\star q}|
+        - \sum_{q \in P} f(q)\, \phi(p, q)\, |{\star q}|
 
     In the code: the matrix S = diag(a) * Delta, which is symmetric, so that ``S psi = lambda A psi`` gives
     the eigenpairs of Delta (`medial.laplacian.weights.laplacian`).
@@ -108,7 +123,12 @@ def weighted_differences(f: Array, weights: Array, areas: Array) -> Array:
 
 
 def weighted_degrees(weights: Array, areas: Array) -> Array:
-    """Eq. 14: the sums d(p_i) of the weights over j != i.
+    r"""Eq. 14: the sums d(p_i) of the weights over j != i.
+
+    .. math::
+
+        d_\phi(p_i) = \sum_{j \neq i} |{\star p_j}|\, \phi(p_i, p_j),
+        \qquad d_\alpha(p_i) = \sum_{j \neq i} |{\star p_j}|\, \alpha(p_i, p_j)
 
     In the code: the same on sparse matrices (`medial.laplacian.weights.degrees`).
 
@@ -130,7 +150,12 @@ def weighted_degrees(weights: Array, areas: Array) -> Array:
 def combined_weights(
     phi: Array, alpha: Array, areas: Array, eta: float = 0.5, rates: Array | float = 1.0
 ) -> Array:
-    """Eq. 15: sigma, the combination of medial similarity and Gaussian weights.
+    r"""Eq. 15: sigma, the combination of medial similarity and Gaussian weights.
+
+    .. math::
+
+        \sigma(p_i, p_j) = (1 - \eta) \frac{\phi(p_i, p_j)}{\sqrt{d_\phi(p_i)\, d_\phi(p_j)}}
+        + \eta \frac{\alpha(p_i, p_j)}{\sqrt{d_\alpha(p_i)\, d_\alpha(p_j)}}
 
     In the code: alpha has an adaptive bandwidth h (see `gaussian`), and its normalised entries are multiplied
     by h_ref / h. A Gaussian normalised by its degree diffuses h / 4 per unit of time, so that a finer cloud,

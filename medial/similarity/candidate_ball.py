@@ -1,7 +1,7 @@
 r"""The candidate ball of two oriented points (Eqs. 4-5), and the depth of a point in it (Eq. 6).
 
 The ball through p_i and p_j, centred on their bisector plane, whose outward sphere normals agree best with
-n_i and n_j in least squares. With d = p_i - p_j, D = |d|^2, a_i = n_i.d, a_j = n_j.d:
+n_i and n_j in least squares. With d = p_i - p_j, D = |d|^2, a_i = n_i.d, a_j = n_j.d::
 
     F   = sqrt(2 + 2 n_i.n_j - 4 a_i a_j / D)     in [0, 2]; 2 is perfectly tangent
     g   = D / (2 (a_i - a_j)),  k = 2 a_j / D

@@ -1,13 +1,13 @@
 """Pairs of points whose candidate ball may pass: culled by tangency, radius, and the critical-radius grid.
 
-Pairs of leaves go first. With u = d / |d|, s = n_i + n_j, g = (n_i - n_j) . u and s' the part of s across u,
+Pairs of leaves go first. With u = d / |d|, s = n_i + n_j, g = (n_i - n_j) . u and s' the part of s across u::
 
     F^2 = |s'|^2 + g^2,      r = |d| F / (2 g)
 
 so bounds on |d|, |s'| and g over two leaves, from their spheres and cones of normals, tell where no pair can
 have a ball that is tangent enough and small enough. All pairs of the other leaves go through one loop of
 single-precision SIMD without branches: with D, a_i, a_j as in `candidate_ball`, gap = a_i - a_j and
-E = D |n_i + n_j|^2 - 4 a_i a_j = D F^2,
+E = D |n_i + n_j|^2 - 4 a_i a_j = D F^2::
 
     c = p_i - (D (n_i + n_j) / 2 - a_j d) / gap,      r^2 = D E / (2 gap)^2
 

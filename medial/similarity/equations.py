@@ -14,15 +14,17 @@ OPPOSED = 1e-6
 
 
 def candidate_balls(p_i: Array, p_j: Array, n_i: Array, n_j: Array) -> tuple[Array, Array]:
-    """The ball c_ij, r_ij that two oriented points suggest; the paper takes it from [BS12].
+    r"""The ball c_ij, r_ij that two oriented points suggest; the paper takes it from [BS12].
 
     Of all balls through both points, centred on their bisector plane, the one whose outward normals at the
-    points agree best with n_i and n_j in least squares. With d = p_i - p_j, D = |d|^2, a_i = n_i.d and
-    a_j = n_j.d:
+    points agree best with n_i and n_j in least squares. With d = p_i - p_j, D = d.d, a_i = n_i.d and
+    a_j = n_j.d, and F in [0, 2], which is 2 where the ball is tangent to both:
 
-        F = sqrt(2 + 2 n_i.n_j - 4 a_i a_j / D)      in [0, 2]; 2 is tangent to both
-        g = D / (2 (a_i - a_j)),  k = 2 a_j / D
-        c = p_i - g (n_i + n_j - k d),  r = g F
+    .. math::
+
+        F &= \sqrt{2 + 2\, n_i \cdot n_j - 4\, a_i a_j / D} \\
+        g &= \frac{D}{2 (a_i - a_j)}, \qquad k = \frac{2 a_j}{D} \\
+        c &= p_i - g\, (n_i + n_j - k\, d), \qquad r = g F
 
     Parameters
     ----------
@@ -49,9 +51,13 @@ def candidate_balls(p_i: Array, p_j: Array, n_i: Array, n_j: Array) -> tuple[Arr
 
 
 def normal_deviation(p_i: Array, p_j: Array, n_i: Array, n_j: Array, centers: Array, radii: Array) -> Array:
-    """Eq. 4: tau, how far a ball is from being tangent to the surface at both points.
+    r"""Eq. 4: tau, how far a ball is from being tangent to the surface at both points.
 
-    ``|n_i - s_i| + |n_j - s_j|`` with s the ball's outward normals. In the code: both terms are equal for a
+    .. math::
+
+        \tau(p_i, p_j) = |n_i - s_i| + |n_j - s_j|
+
+    s are the ball's outward normals at the two points. In the code: both terms are equal for a
     candidate ball, so that tau = 2 sqrt(2 - F) (`medial.similarity.candidate_ball`) and bounds on F discard
     whole groups of pairs.
 
@@ -72,7 +78,11 @@ def normal_deviation(p_i: Array, p_j: Array, n_i: Array, n_j: Array, centers: Ar
 
 
 def summed_depth(centers: Array, radii: Array, points: Array, weights: Array | None = None) -> Array:
-    """Eq. 5: gamma, how far a ball is from being empty.
+    r"""Eq. 5: gamma, how far a ball is from being empty.
+
+    .. math::
+
+        \gamma(p_i, p_j) = \sum_{p \in P} \mu(c_{ij}, r_{ij}, p)
 
     The sum of the depths mu (Eq. 6) of all points. In the code: a point counts with a weight
     (`medial.areas.surface_cells.density_weights`), because the sum grows with the number of points while
@@ -97,7 +107,14 @@ def summed_depth(centers: Array, radii: Array, points: Array, weights: Array | N
 
 
 def depth_in_ball(centers: Array, radii: Array, points: Array) -> Array:
-    """Eq. 6: mu, how deep a point lies inside a ball; 1 at the centre, 0 on the sphere and outside.
+    r"""Eq. 6: mu, how deep a point lies inside a ball; 1 at the centre, 0 on the sphere and outside.
+
+    .. math::
+
+        \mu(c, r, p) = \begin{cases}
+        1 - \left(\frac{|p - c|}{r}\right)^4 & \text{if } |p - c| < r \\
+        0 & \text{otherwise}
+        \end{cases}
 
     In the code: the same, in single precision relative to a centre nearby.
 
@@ -116,7 +133,12 @@ def depth_in_ball(centers: Array, radii: Array, points: Array) -> Array:
 
 
 def medial_similarity(gamma: Array, tau: Array, sigma_e: float = 5.0, sigma_t: float = 0.7) -> Array:
-    """Eq. 7: phi, the likelihood that two points lie on a common medial ball.
+    r"""Eq. 7: phi, the likelihood that two points lie on a common medial ball.
+
+    .. math::
+
+        \phi(p_i, p_j) = \exp\left(-\left(\frac{\gamma(p_i, p_j)}{\sigma_e}\right)^2
+        - \left(\frac{\tau(p_i, p_j)}{\sigma_t}\right)^2\right)
 
     In the code: phi below a cut-off (1e-6) is dropped, which is what makes the search fast; and balls larger
     than the cloud's smallest width have phi = 0, because Eq. 6 measures depth relative to the radius, so that

@@ -7,7 +7,11 @@ Array = NDArray[np.float64]
 
 
 def heat_rate(laplacian: Array, f: Array) -> Array:
-    """Eq. 11: the heat equation, df/dt = -Delta f.
+    r"""Eq. 11: the heat equation, df/dt = -Delta f.
+
+    .. math::
+
+        \Delta_S f(x, t) = -\frac{\partial f(x, t)}{\partial t}
 
     In the code: nothing steps through time; the eigenpairs of Delta solve the equation for all times at once.
 
@@ -27,7 +31,11 @@ def heat_rate(laplacian: Array, f: Array) -> Array:
 
 
 def diffused(kernel: Array, f: Array, areas: Array) -> Array:
-    """Eq. 12: M_t f, the heat after time t, as a sum over the points.
+    r"""Eq. 12: M_t f, the heat after time t, as a sum over the points.
+
+    .. math::
+
+        M_t f(x) = \int_S m_t(x, y)\, f(y)\, dy
 
     In the code: nothing diffuses a function; matching compares the kernels m_t themselves.
 
@@ -48,7 +56,11 @@ def diffused(kernel: Array, f: Array, areas: Array) -> Array:
 
 
 def diffusion_kernel(eigenvalues: Array, eigenfunctions: Array, t: float) -> Array:
-    """Eq. 13: medial diffusion m_t between all points.
+    r"""Eq. 13: medial diffusion m_t between all points.
+
+    .. math::
+
+        m_t(x, y) = \sum_i e^{-\lambda_i t}\, \Psi_i(x)\, \Psi_i(y)
 
     In the code: 300 of the n modes, by default; the others have decayed at the times that are compared. Modes
     below 1e-25 of their start count as gone (`medial.diffusion.decay`): no sum feels them.

@@ -57,7 +57,12 @@ def landmark_cost(source: Array, target: Array, found: Array | None = None) -> f
 
 
 def landmark_partner(source: Array, targets: Array, found: Array | None = None) -> int:
-    """Eq. 16: the candidate whose medial diffusion agrees best with that of a landmark p_l.
+    r"""Eq. 16: the candidate whose medial diffusion agrees best with that of a landmark p_l.
+
+    .. math::
+
+        \bar q_l = \underset{q_l \in S_Q}{\operatorname{argmin}} \sum_{p \in S_P}
+        \min_{q \in S_Q} |m_o^P(p_l, p) - m_o^Q(q_l, q)|
 
     In the code: m_o is that of clouds of area 1 (`kernel_over_times`), in single precision; distances come
     from blocked matrix products instead of a kd-tree.
@@ -83,7 +88,12 @@ def landmark_partner(source: Array, targets: Array, found: Array | None = None) 
 def extrapolated(
     source: Array, target: Array, source_signature: Array, target_signature: Array
 ) -> tuple[NDArray[np.intp], Array]:
-    """Eq. 17: the target point of every source point, by agreement with the landmarks and in the signature.
+    r"""Eq. 17: the target point of every source point, by agreement with the landmarks and in the signature.
+
+    .. math::
+
+        \bar q = \underset{q \in Q}{\operatorname{argmin}} \sum_{l=1}^{L} |m_o^P(p_l, p) - m_o^Q(q_l, q)|
+        + |m_o^P(p, p) - m_o^Q(q, q)|
 
     In the code: as for Eq. 16, m_o is that of clouds of area 1 and in single precision.
 

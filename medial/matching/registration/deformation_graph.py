@@ -1,6 +1,6 @@
 r"""Deformations of a cloud that bend but hardly stretch: rigid motions of nodes, blended [SSP07].
 
-Node j at rest in g_j carries a rotation R_j and a position y_j; a point x follows its nearest nodes,
+Node j at rest in g_j carries a rotation R_j and a position y_j; a point x follows its nearest nodes::
 
     x' = sum_j w_j(x) (R_j (x - g_j) + y_j).
 
