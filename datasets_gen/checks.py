@@ -191,12 +191,18 @@ def oriented(faces: NDArray[np.int32], vertices: NDArray[np.float64], name: str)
     return faces
 
 
-def repaired(shapes: list[Shape]) -> list[Shape]:
-    """Drop what can be dropped from poses that share their faces, with a log line.
+def sound_part(shapes: list[Shape]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """What is left of poses that share their faces, without what `repaired` drops.
 
-    Removes faces that name a vertex twice, repeat another face or have no area in any pose, keeps the
-    largest component, and drops vertices that are then unused, in every pose alike.
+    Returns
+    -------
+    used : (w,)
+        Vertices that are kept.
+    faces : (f, 3)
+        Of `used`.
     """
+    for shape in shapes:
+        _check_arrays(shape)
     faces = shapes[0].faces
     flat = np.logical_and.reduce([flat_faces(shape) for shape in shapes]) | repeated_corners(faces)
     first = np.zeros(len(faces), dtype=bool)
@@ -205,16 +211,25 @@ def repaired(shapes: list[Shape]) -> list[Shape]:
     if not keep.any():
         raise InputError(f"{shapes[0].name!r} has only degenerate faces; export it again")
     labels = face_components(faces[keep])
-    part = labels == np.bincount(labels).argmax()
-    used, compact = np.unique(faces[keep][part], return_inverse=True)
-    if len(used) == len(shapes[0].vertices) and keep.all() and part.all():
+    used, compact = np.unique(faces[keep][labels == np.bincount(labels).argmax()], return_inverse=True)
+    return used.astype(np.int64), compact.reshape(-1, 3).astype(np.int32)
+
+
+def repaired(shapes: list[Shape]) -> list[Shape]:
+    """Drop what can be dropped from poses that share their faces, with a log line.
+
+    Removes faces that name a vertex twice, repeat another face or have no area in any pose, keeps the
+    largest component, and drops vertices that are then unused, in every pose alike.
+    """
+    used, faces = sound_part(shapes)
+    before = shapes[0]
+    if len(used) == len(before.vertices) and len(faces) == len(before.faces):
         return shapes
     _log.warning(
         "%s: kept %d of %d faces and %d of %d vertices (largest component, no degenerate or repeated faces)",
-        shapes[0].subject, part.sum(), len(faces), len(used), len(shapes[0].vertices),
+        before.subject, len(faces), len(before.faces), len(used), len(before.vertices),
     )  # fmt: skip
-    new_faces = compact.reshape(-1, 3).astype(np.int32)
-    return [replace(shape, vertices=shape.vertices[used], faces=new_faces) for shape in shapes]
+    return [replace(shape, vertices=shape.vertices[used], faces=faces) for shape in shapes]
 
 
 def admitted(shapes: list[Shape], repair: bool = False) -> list[Shape]:

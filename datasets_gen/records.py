@@ -6,9 +6,10 @@ The leftmost package owns these because every other package uses them.
 import errno
 import json
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -19,8 +20,21 @@ from numpy.typing import NDArray
 _COUNT = "arrays"
 """Entry of a record's metadata that says how many arrays there are."""
 
-_DEVICE_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""Of a device that cannot take a file, whatever the writer does."""
+_OTHER_FOLDER = "choose a folder you can write to"
+_MORE_FILES = "raise the limit of open files (ulimit -n)"
+_WAYS_OUT = {
+    errno.ENOSPC: "free some space, or choose another folder",
+    errno.EDQUOT: "free some space, or choose another folder",
+    errno.EFBIG: "raise the limit of a file's size (ulimit -f), or choose another folder",
+    errno.EIO: _OTHER_FOLDER,
+    errno.EROFS: _OTHER_FOLDER,
+    errno.EMFILE: _MORE_FILES,
+    errno.ENFILE: _MORE_FILES,
+}
+"""What to do about a system that cannot take a file, whatever the writer does."""
+
+_TEMPORARY = re.compile(r"\..+-[a-z0-9_]{8}(\.[^.]*)?")
+"""Names that `atomic_path` gives while it writes."""
 
 
 class InputError(ValueError):
@@ -43,31 +57,49 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         If it is no path or a folder, its folder cannot be created or written, or the device is full.
     """
     target = as_path(path)
-    if target.is_dir():
+    if os.path.isdir(target):  # unlike the method of Path, no where the system does not tell
         raise InputError(f"cannot write {str(target)!r}: it is a folder; choose a file name")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
     except OSError as error:
-        raise _cannot_write(target, error) from error
+        raise cannot_write(target, error) from error
     os.close(handle)
     temporary = Path(name)
     try:
         yield temporary
+        _put_in_place(temporary, target)
+    except BaseException as error:
+        with suppress(OSError):  # what went wrong before it is what is said
+            temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno in _WAYS_OUT:
+            raise cannot_write(target, error) from error
+        raise
+
+
+def _put_in_place(temporary: Path, target: Path) -> None:
+    try:
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)  # mkstemp's 0600 would hide results from a group
         temporary.replace(target)
-    except BaseException as error:
-        temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.errno in _DEVICE_ERRORS:
-            raise _cannot_write(target, error) from error
-        raise
+    except OSError as error:
+        raise cannot_write(target, error) from error
 
 
-def _cannot_write(target: Path, error: OSError) -> InputError:
-    reason = error.strerror or str(error)
-    return InputError(f"cannot write {str(target)!r}: {reason}; choose a folder you can write to")
+def cannot_write(target: str | os.PathLike[str], error: OSError) -> InputError:
+    """What is said of a file or a folder that the system does not let be written, and what to do."""
+    reason = os.strerror(error.errno) if error.errno else str(error)
+    what_to_do = _WAYS_OUT.get(error.errno or 0, _OTHER_FOLDER)
+    return InputError(f"cannot write {str(target)!r}: {reason}; {what_to_do}")
+
+
+def leftovers(folder: str | os.PathLike[str]) -> list[Path]:
+    """Temporary files in a folder, of processes that were killed while they wrote, or write still."""
+    try:
+        return sorted(each for each in Path(folder).iterdir() if _TEMPORARY.fullmatch(each.name))
+    except OSError:
+        return []
 
 
 def as_path(path: Any) -> Path:

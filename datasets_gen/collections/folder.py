@@ -1,12 +1,11 @@
 """Collections on disk: a folder with one mesh file per pose, and optionally a manifest."""
 
+import contextlib
 import json
 import logging
 import os
-import re
 import shutil
-from collections.abc import Collection as Names
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 
 from datasets_gen.checks import admitted
 from datasets_gen.collection import Collection
+from datasets_gen.collections.file_choice import natural, pose_list
 from datasets_gen.meshes.files import MESH_SUFFIXES, read_mesh, write_mesh
 from datasets_gen.meshes.mirroring import mirror_map
 from datasets_gen.parsing import parsed_json
@@ -79,7 +79,7 @@ def load_folder(
     root = Path(folder)
     if not root.is_dir():
         raise InputError(f"{str(folder)!r} is not a folder; give a folder with one mesh file per pose")
-    manifest = _read_manifest(root)
+    manifest = read_manifest(root)
     files = _pose_files(root, manifest)
     subject = str(manifest.get("subject") or root.resolve().name)
     rest = _reference_pose(files, reference, manifest, subject)
@@ -90,7 +90,7 @@ def load_folder(
         replace(read_mesh(files[pose], subject, length), name=f"{subject}/{pose}", pose=pose)
         for pose in order
     ]
-    _check_shared(shapes, files)
+    check_shared(shapes, files)
     by_pose = dict(zip(order, admitted(shapes, repair), strict=True))
     return Collection(subject, tuple(by_pose[p] for p in wanted), by_pose[rest], mirror_map(by_pose[rest]))
 
@@ -121,7 +121,7 @@ def outline_folder(
         If the folder holds no meshes, or lacks a pose that is asked for.
     """
     root = Path(folder)
-    manifest = _read_manifest(root)
+    manifest = read_manifest(root)
     files = _pose_files(root, manifest)
     subject = str(manifest.get("subject") or root.resolve().name)
     return {
@@ -155,8 +155,13 @@ def write_collection(
     Raises
     ------
     InputError
-        If the folder cannot be written, or holds the poses of something else.
+        If the folder cannot be written, or holds the poses of something else, or a pose has its own mesh.
     """
+    for pose in collection.placements:
+        raise InputError(
+            f"pose {pose!r} of {collection.subject!r} has a mesh of its own, which a folder of poses that "
+            "share their faces cannot hold; keep the files it was loaded from, or use Collection.save"
+        )
     root = Path(folder)
     shapes = {shape.pose: shape for shape in (collection.reference, *collection.shapes)}
     files = {pose: f"{name}.ply" for pose, name in distinct_names(list(shapes), "pose").items()}
@@ -166,7 +171,7 @@ def write_collection(
     )  # fmt: skip
     if strangers:
         raise InputError(f"{str(folder)!r} already holds {strangers[0]!r}; choose an empty folder")
-    fresh = not root.exists()
+    fresh, before = not root.exists(), {name for name in files.values() if (root / name).exists()}
     reference = collection.reference
     manifest = {
         "format": FORMAT,
@@ -187,24 +192,11 @@ def write_collection(
     except BaseException:
         if fresh:  # a part of the poses would look like a data set
             shutil.rmtree(root, ignore_errors=True)
+        for name in set(files.values()) - before:
+            with contextlib.suppress(OSError):
+                (root / name).unlink()
         raise
     return root / MANIFEST
-
-
-def pose_list(poses: Sequence[str], known: Names[str], subject: str) -> list[str]:
-    """The poses asked for, once each, in the order asked.
-
-    Raises
-    ------
-    InputError
-        If it is not a list of poses that there are.
-    """
-    if isinstance(poses, str) or not isinstance(poses, Names) or not len(poses):
-        raise InputError(f"poses of {subject!r} is {poses!r}; give a list of {list(known)}")
-    for pose in poses:
-        if pose not in list(known):
-            raise InputError(f"{subject!r} has no pose {pose!r}; it has {list(known)}")
-    return list(dict.fromkeys(poses))
 
 
 def code_version() -> str:
@@ -215,7 +207,14 @@ def code_version() -> str:
         return "unknown"
 
 
-def _read_manifest(root: Path) -> dict[str, Any]:
+def read_manifest(root: Path) -> dict[str, Any]:
+    """What `write_collection` noted in a folder; empty without a manifest, or with one of another format.
+
+    Raises
+    ------
+    InputError
+        If the manifest cannot be read.
+    """
     path = root / MANIFEST
     if not path.is_file():
         return {}
@@ -244,7 +243,7 @@ def _pose_files(root: Path, manifest: dict[str, Any]) -> dict[str, Path]:
             raise InputError(f"{str(root / MANIFEST)!r} names a pose twice; keep one of each")
     else:
         found = [file for file in root.iterdir() if file.suffix.lower() in MESH_SUFFIXES]
-        found.sort(key=lambda file: _natural(file.name))
+        found.sort(key=lambda file: natural(file.name))
         files = {file.stem: file for file in found}
         if len(files) < len(found):
             twice = next(f.name for f in found if files[f.stem] != f)
@@ -252,12 +251,6 @@ def _pose_files(root: Path, manifest: dict[str, Any]) -> dict[str, Path]:
     if not files:
         raise InputError(f"{str(root)!r} holds no mesh files ({', '.join(MESH_SUFFIXES)})")
     return files
-
-
-def _natural(name: str) -> list[tuple[int, int, str]]:
-    """Sort key that puts pose2 before pose10."""
-    parts = re.split(r"(\d+)", name.lower())
-    return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts if part]
 
 
 def _reference_pose(files: dict[str, Path], asked: str | None, manifest: dict[str, Any], subject: str) -> str:
@@ -276,14 +269,19 @@ def _reference_pose(files: dict[str, Path], asked: str | None, manifest: dict[st
     return first
 
 
-def _check_shared(shapes: list[Shape], files: dict[str, Path]) -> None:
+def check_shared(shapes: list[Shape], files: Mapping[str, Path]) -> None:
+    """Raise InputError, with both files, unless shapes have the faces of the first."""
     rest = shapes[0]
     for shape in shapes[1:]:
         file, first = str(files[shape.pose]), files[rest.pose].name
         if shape.vertices.shape != rest.vertices.shape or shape.faces.shape != rest.faces.shape:
             raise InputError(
                 f"{file!r} has {len(shape.vertices)} vertices and {len(shape.faces)} faces, "
-                f"{first!r} has {len(rest.vertices)} and {len(rest.faces)}; poses must share them"
+                f"{first!r} has {len(rest.vertices)} and {len(rest.faces)}; poses must share them; "
+                "`medialbench match` takes other meshes"
             )
         if not np.array_equal(shape.faces, rest.faces):
-            raise InputError(f"{file!r} has other faces than {first!r}; poses must share them")
+            raise InputError(
+                f"{file!r} has other faces than {first!r}; poses must share them; "
+                "`medialbench match` takes other meshes"
+            )

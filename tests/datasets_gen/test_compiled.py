@@ -2,9 +2,10 @@ import os
 import threading
 
 import numba
+import numpy as np
 import pytest
 
-from datasets_gen.compiled import compiled, ranges, run_tasks, thread_count
+from datasets_gen.compiled import compiled, grown, ranges, run_tasks, thread_count
 
 
 def test_compiled_functions_work_where_nothing_can_be_cached(monkeypatch):
@@ -68,3 +69,10 @@ def test_an_error_in_a_task_is_raised():
 def test_ranges_cover_everything_once():
     assert ranges(10, 4) == [(0, 4), (4, 8), (8, 10)]
     assert ranges(0, 4) == []
+
+
+@pytest.mark.uncompiled
+def test_a_grown_array_has_twice_the_room_and_begins_alike():
+    larger = grown(np.array([3, 1, 2]))
+    assert larger.shape == (6,)
+    assert larger[:3].tolist() == [3, 1, 2]

@@ -1,12 +1,14 @@
 """Files that are whole or not there, and what is said of others."""
 
 import errno
+from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from datasets_gen import Collection, Shape
-from datasets_gen.records import InputError, atomic_path, load_record, save_record
+from datasets_gen.records import InputError, atomic_path, leftovers, load_record, save_record
 from medial import Diffusion, Matching
 
 
@@ -37,6 +39,34 @@ def test_a_full_disk_names_the_file_and_leaves_nothing(tmp_path):
     ):  # of the writer: not about the file
         raise FileNotFoundError("other")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_cannot_be_put_in_place_names_the_file_and_what_to_do(tmp_path, monkeypatch):
+    said = {
+        errno.EROFS: "Read-only file system; choose a folder",
+        errno.EMFILE: "open files; raise the limit",
+    }
+    for number, words in said.items():
+        with monkeypatch.context() as patch:
+            error = OSError(number, "of another file", "/elsewhere")
+            patch.setattr(Path, "replace", Mock(side_effect=error))
+            patch.setattr(Path, "unlink", Mock(side_effect=OSError(errno.EBUSY, "busy")))
+            with (
+                pytest.raises(InputError, match=rf"cannot write '.*a\.txt': .*{words}"),
+                atomic_path(tmp_path / "a.txt"),
+            ):
+                pass
+
+
+def test_leftovers_are_the_temporary_files_of_killed_writers(tmp_path):
+    for name in (".lock", ".lock-holder", ".probe-0123456789abcdef", "a.npz", "b-abcdefgh.npz"):
+        (tmp_path / name).touch()
+    assert leftovers(tmp_path) == []
+    writing = atomic_path(tmp_path / "walk-0.2.npz")
+    with writing as temporary:
+        assert leftovers(tmp_path) == [temporary]
+    assert leftovers(tmp_path) == []
+    assert leftovers(tmp_path / "none") == []
 
 
 @pytest.mark.parametrize("cls", [Collection, Shape, Diffusion, Matching])

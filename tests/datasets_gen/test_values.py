@@ -84,7 +84,9 @@ def test_values_of_another_type_are_named(name, value, wanted):
 
 def test_unknown_settings_are_named():
     for make in (lambda: Example(cuont=3), lambda: replace(Example(), cuont=3)):
-        with pytest.raises(InputError, match="unknown setting 'cuont'; known are flag, count"):
+        with pytest.raises(
+            InputError, match=r"setting 'cuont'; did you mean 'count'\? known are flag, count"
+        ):
             make()
 
 

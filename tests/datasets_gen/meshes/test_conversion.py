@@ -3,6 +3,7 @@ import pytest
 import trimesh
 
 from datasets_gen import InputError, as_shape, write_mesh
+from datasets_gen.checks import signed_volume
 from tests.datasets_gen.sample_meshes import shuffled, sphere
 
 MESH = shuffled(sphere(2))
@@ -37,6 +38,7 @@ def test_arrays_are_copied_and_inward_faces_turned():
     vertices[:] = 0
     assert found.vertices == pytest.approx(MESH.vertices)
     assert np.array_equal(np.sort(found.faces), np.sort(MESH.faces))
+    assert signed_volume(found.vertices, found.faces) == pytest.approx(4 / 3 * np.pi, rel=0.1)
 
 
 @pytest.mark.parametrize(

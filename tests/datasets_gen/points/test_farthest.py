@@ -29,6 +29,7 @@ def slow_order(x, count, start, chosen):
     return order
 
 
+@pytest.mark.uncompiled
 @settings(max_examples=60, deadline=None, derandomize=True, database=None)
 @given(st.data())
 def test_the_order_in_an_embedding_matches_a_slow_one(data):
@@ -46,6 +47,7 @@ def test_the_order_of_many_dimensions_matches_a_slow_one():
     assert farthest_in_embedding(x, 90, 7).tolist() == slow_order(x, 90, 7, [])
 
 
+@pytest.mark.uncompiled
 def test_the_order_of_identical_points_are_distinct():
     assert sorted(farthest_in_embedding(np.zeros((9, 3)), 20, 4)) == list(range(9))
 
@@ -80,6 +82,7 @@ def test_of_a_single_point_there_is_one_sample():
     assert farthest_points(np.zeros((1, 3)), 1, 0).tolist() == [0]
 
 
+@pytest.mark.uncompiled
 def test_the_order_in_a_metric_is_that_of_its_distances(points):
     table = np.linalg.norm(points[:, None] - points, axis=2)
     order, distances = farthest_in_metric(table.__getitem__, 30, 7)
@@ -87,6 +90,7 @@ def test_the_order_in_a_metric_is_that_of_its_distances(points):
     assert np.array_equal(distances, table[order])
 
 
+@pytest.mark.uncompiled
 def test_a_metric_of_few_points_gives_each_once():
     table = np.abs(np.subtract.outer(np.arange(5.0), np.arange(5.0)))
     order, distances = farthest_in_metric(table.__getitem__, 9, 1)

@@ -48,6 +48,7 @@ def test_spanning_tree_makes_signs_consistent_and_outward():
     assert np.allclose(normals.spanning_tree(points, random), outward)
 
 
+@pytest.mark.uncompiled
 def test_sign_of_a_piece_is_that_of_the_sum_over_its_points():
     """On a bowl seen from both sides no single point tells outward: the piece as a whole does."""
     points = np.random.default_rng(8).normal(size=(400, 3)) * [1, 1, 0.02]
@@ -80,6 +81,7 @@ def test_too_few_points_are_refused():
         normals.pca(np.zeros((5, 3)), 12)
 
 
+@pytest.mark.uncompiled
 def test_signs_elected_on_a_tree_are_the_best_of_all():
     rng = np.random.default_rng(6)
     every = np.array(list(product([-1.0, 1.0], repeat=9)))
