@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 from datasets_gen.records import InputError
-from datasets_gen.values import check_types
+from datasets_gen.values import check_types, did_you_mean
 from scanner_sim.optics.viewpoints import Views, as_tuples, check_views
-from scanner_sim.presets import expanded, nearest
+from scanner_sim.presets import expanded
 from scanner_sim.scanner_rules import check_values
 
 
@@ -199,7 +199,7 @@ class ScannerConfig:
         unknown = sorted(set(settings) - set(known))
         if unknown:
             raise InputError(
-                f"unknown scanner setting {unknown[0]!r}{nearest(unknown[0], known)}; known settings are "
+                f"unknown scanner setting {unknown[0]!r}{did_you_mean(unknown[0], known)} known settings are "
                 f"{', '.join(known)}"
             )
         return cls(**settings)

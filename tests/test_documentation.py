@@ -153,6 +153,7 @@ def test_your_own_data_is_a_data_set(folder):
     assert not np.allclose(body["bent"].vertices, body["rest"].vertices)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_your_own_data_runs_from_top_to_bottom(folder):
     write, measure, clouds = blocks("your-own-data.md", "python")
@@ -183,6 +184,7 @@ def test_your_own_method_runs_on_one_pair(folder):
     assert error.mean() < 0.7 * guessed.mean()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_your_own_method_competes(folder):
     """The experiment of the page, smaller; and the export of its clouds for a method that runs elsewhere."""

@@ -64,10 +64,35 @@ def test_citation_and_licence_agree():
     assert (ROOT / "LICENSE").read_text(encoding="utf-8").startswith(PROJECT["project"]["license"])
 
 
+EXTRAS = PROJECT["project"]["optional-dependencies"]
+
+
+def names_of(requirements):
+    """Packages that requirements name, those of extras of the project itself in their place."""
+    found = set()
+    for each in requirements:
+        name, extras = re.match(r"([\w-]+)(?:\[([\w,]+)\])?", each).groups()
+        if name == PROJECT["project"]["name"]:
+            found |= names_of([each for extra in extras.split(",") for each in EXTRAS[extra]])
+        else:
+            found.add(name.lower())
+    return found
+
+
+def test_the_extra_all_is_what_users_may_want():
+    """Every extra but bodies that bring torch or MuJoCo, and the tools of those who work on the code."""
+    others = [
+        each
+        for name, extra in EXTRAS.items()
+        if name not in ("all", "anny", "animals", "dev", "docs", "fuzz", "mutation")
+        for each in extra
+    ]
+    assert names_of(EXTRAS["all"]) == names_of(others)
+
+
 def test_every_dependency_has_its_licence_listed():
-    extras = PROJECT["project"]["optional-dependencies"]
-    wanted = [*PROJECT["project"]["dependencies"], *(each for extra in extras.values() for each in extra)]
-    names = {re.split(r"[\[><=; ]", each)[0].lower() for each in wanted}
+    wanted = [*PROJECT["project"]["dependencies"], *(each for extra in EXTRAS.values() for each in extra)]
+    names = names_of(wanted)
     page = (ROOT / "docs" / "licences.md").read_text(encoding="utf-8")
     listed = {line.split("|")[1].strip().lower() for line in page.splitlines() if line.startswith("| ")}
     assert names - listed == set()

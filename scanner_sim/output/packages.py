@@ -4,6 +4,7 @@ import os
 from importlib.util import find_spec
 from pathlib import Path
 
+from datasets_gen.extras import pip_install
 from datasets_gen.records import InputError
 
 NEEDS = {".las": ("laspy",), ".laz": ("laspy", "lazrs"), ".e57": ("pye57",)}
@@ -15,6 +16,6 @@ def check_packages(path: str | os.PathLike[str]) -> None:
     missing = [name for name in NEEDS.get(Path(path).suffix.lower(), ()) if find_spec(name) is None]
     if missing:
         raise InputError(
-            f"cannot write {str(path)!r}: the package {missing[0]} is missing; pip install "
-            "'medialbench[exports]', or write .npz or .ply"
+            f"cannot write {str(path)!r}: the package {missing[0]} is missing; {pip_install('exports')}, "
+            "or write .npz or .ply"
         )

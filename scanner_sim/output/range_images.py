@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from datasets_gen.extras import pip_install
 from datasets_gen.records import InputError, atomic_path
 from scanner_sim.motion.stations import camera_config
 from scanner_sim.optics.triangulation import triangulated
@@ -88,7 +89,7 @@ def write_range_images(scan: Scan, folder: str | os.PathLike[str], suffix: str =
     if suffix not in (".png", ".exr"):
         raise InputError(f"range images are written as '.png' or '.exr', not {suffix!r}")
     if suffix == ".exr" and find_spec("OpenEXR") is None:
-        raise InputError("'.exr' needs a package: pip install OpenEXR, or write '.png'")
+        raise InputError(f"'.exr' needs the package OpenEXR: {pip_install('exr')}, or write '.png'")
     if len(scan.poses) == 0:
         raise InputError("this scan knows no viewpoints, so it has no range images")
     if scan.config.motion == "profiler":

@@ -5,7 +5,6 @@ the device is, where the figures come from, what its data sheet says, and what w
 `ScannerConfig.preset` makes a scanner of them.
 """
 
-import difflib
 import os
 from collections.abc import Collection, Mapping
 from importlib.resources import files
@@ -14,6 +13,7 @@ from typing import Any
 
 from datasets_gen.parsing import parsed_toml
 from datasets_gen.records import InputError
+from datasets_gen.values import did_you_mean
 
 KEY = "preset"
 """Setting that names a preset among other settings."""
@@ -48,7 +48,7 @@ def load(name: str | os.PathLike[str], known: Collection[str] = ()) -> dict[str,
     settings: dict[str, Any] = table["scanner"]
     for key in sorted(set(settings) - set(known)) if known else ():
         raise InputError(
-            f"preset {str(name)!r} has an unknown setting {key!r}{nearest(key, known)}; "
+            f"preset {str(name)!r} has an unknown setting {key!r}{did_you_mean(key, known)} "
             f"known settings are {', '.join(sorted(known))}"
         )
     return settings
@@ -102,13 +102,7 @@ def _read(name: str | os.PathLike[str]) -> dict[str, Any]:
         content = (files(__name__) / f"{name}.toml").read_bytes()
     else:
         raise InputError(
-            f"unknown preset {str(name)!r}{nearest(str(name), names())}; known presets are "
+            f"unknown preset {str(name)!r}{did_you_mean(str(name), names())} known presets are "
             f"{', '.join(names())}, or give the path of a .toml file"
         )
     return parsed_toml(content, f"preset {str(name)!r}")
-
-
-def nearest(word: str, known: Collection[str]) -> str:
-    """A question after the most similar word, or nothing."""
-    close = difflib.get_close_matches(word, list(known), 1, 0.5)
-    return f" (did you mean {close[0]!r}?)" if close else ""

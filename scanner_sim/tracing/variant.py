@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen.cache import cache_folder
+from datasets_gen.parsing import read_note
 from datasets_gen.records import InputError, atomic_path
 
 SCALAR, LLVM, CUDA = "scalar_rgb", "llvm_ad_rgb", "cuda_ad_rgb"
@@ -136,10 +137,9 @@ def _cache_file(variant: str, library: str | None) -> Path:
 def _probed(variant: str, library: str | None) -> Probe:
     """Outcome of a probe, from the disk if it passed there before: failures are never kept."""
     path = _cache_file(variant, library)
-    try:
-        return Probe(**json.loads(path.read_text()))
-    except (OSError, ValueError, TypeError):
-        pass
+    kept = read_note(path, variant=str, works=bool, reason=str, library=str | None)
+    if kept is not None:
+        return Probe(kept["variant"], kept["works"], kept["reason"], kept.get("library"))
     outcome = _run(variant, library)
     if outcome.works:
         try:

@@ -78,8 +78,10 @@ def fit(evidence: Float, starts: Int, right: Bool, ridge: float = RIDGE) -> Floa
     sizes = np.diff(np.append(starts, len(evidence)))
     means = np.add.reduceat(evidence, starts) / sizes[:, None]
     apart = evidence - _of_rows(means, starts, len(evidence))
-    scale = np.maximum(apart.std(axis=0), np.finfo(np.float64).tiny)
-    standard = np.where(scale > 1e-12 * np.abs(evidence).max(axis=0, initial=0.0), apart / scale, 0.0)
+    scale = apart.std(axis=0)
+    differs = scale > 1e-12 * np.abs(evidence).max(axis=0, initial=0.0)
+    scale = np.where(differs, scale, np.inf)  # what never differs weighs nothing
+    standard = apart / scale
 
     def cost(weights: Float) -> float:
         return loss(standard @ weights, starts, right) + ridge * float(weights @ weights)

@@ -238,6 +238,8 @@ TARGETS = {
         _ids_file("txt", lambda: b"0 1.0\n1 .5\n-1 0\n"),
         _ids_file("csv", lambda: b"0,1.0\n1,.5\n-1,0\n"),
         _ids_file("csv.csv", lambda: b"# first_id = 1\nsource,target,confidence\n1,2,.5\n2,-1,0\n"),
+        _ids_file("map", lambda: b"0\n2\n1\n"),
+        _ids_file("baryc_gt", lambda: b"1 .5 .25 .25\n4 1 0 0\n"),
         _ids_file("vts", lambda: b"1\n3\n2\n"),
         _ids_file("corr", lambda: b"1 .5 .25 .25\n-1 0 0 0\n4 1 0 0\n"),
         _ids_file("mat", seeds.mat_of_ids),

@@ -1,5 +1,7 @@
 """Whole scans against the sphere's analytic truth and the reference's figures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -74,7 +76,14 @@ def test_same_seed_same_scan_other_seed_other_noise(capsule):
     config = ScannerConfig(views=2, resolution=(100, 100), noise=0.2)
     a, b, c = scan(capsule, config, seed=1), scan(capsule, config, seed=1), scan(capsule, config, seed=2)
     assert np.array_equal(a.points, b.points)
-    assert len(a) != len(c) or not np.array_equal(a.points, c.points)
+    quiet = scan(capsule, replace(config, noise=0.0))
+    keys = [each.view_ids * 10**6 + each.pixels @ [1000, 1] for each in (quiet, a, c)]
+    shared = np.array(sorted(set(keys[0]) & set(keys[1]) & set(keys[2])))
+    at = [key.argsort()[np.searchsorted(np.sort(key), shared)] for key in keys]
+    taken = [each.intensity[k] - quiet.intensity[at[0]] for each, k in ((a, at[1]), (c, at[2]))]
+    assert len(shared) > 1000
+    assert min(np.abs(each).max() for each in taken) > 0.1
+    assert abs(np.corrcoef(taken)[0, 1]) < 0.3  # bright pixels have more to lose, in both
 
 
 def test_saved_scan_comes_back(capsule, tmp_path):

@@ -70,6 +70,7 @@ def test_rolls_keep_the_lengths_of_the_middle_of_the_sheet(pose):
     assert after / np.linalg.norm(step, axis=1) == pytest.approx(1, abs=2e-3)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_chain_is_a_body_of_revolution_with_these_radii():
     vertices, _ = analytic.capsule_chain().rest()

@@ -34,7 +34,8 @@ HARDLY = ("human", "human_asymmetric", "quadruped")
 """Their poses may cut themselves a little, and stay as they are, as published numbers rest on them."""
 
 bodies = pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] if n in TO_BUILD else []) for n in BODIES]
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow, pytest.mark.long] if n in TO_BUILD else []) for n in BODIES],
 )
 articulated = [name for name, recipe in BODIES.items() if recipe.regions is not None]
 
@@ -112,6 +113,7 @@ def test_poses_hardly_cut_themselves(name):
         assert crossing_faces(shape).mean() <= most, shape.name
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @bodies
 def test_poses_are_not_inside_themselves(name):
@@ -190,6 +192,7 @@ def test_canonical_points_follow_the_surface():
     assert body.canonical(body["walk"], faces, weights) == pytest.approx(body.reference.at(faces, weights))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", articulated)
 @pytest.mark.parametrize("seed", [1])
@@ -207,6 +210,7 @@ def test_other_seeds_give_other_sound_bodies(name, seed):
         assert crossing_faces(shape).mean() < 0.01
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", articulated)
 def test_building_again_gives_the_same_body_whatever_the_blas_threads(name):
@@ -219,6 +223,7 @@ def test_building_again_gives_the_same_body_whatever_the_blas_threads(name):
         assert np.array_equal(a.vertices, b.vertices)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_hand_is_not_its_own_mirror_image_and_a_bird_is():
     assert mirror_map(load("hand").reference) is None

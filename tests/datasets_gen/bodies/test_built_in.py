@@ -137,6 +137,7 @@ def test_the_preset_of_held_out_shapes_has_nothing_else():
     assert all(held_out(each["name"], **each.get("options", {})) for each in sections)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARTICULATED)
 def test_subjects_of_articulated_bodies_are_sound(name):

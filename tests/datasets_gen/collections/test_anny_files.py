@@ -111,7 +111,9 @@ def test_targets_are_added_with_their_weights(cube, tmp_path):
     assert np.count_nonzero(moved.any(axis=1)) == 2
 
 
-@pytest.mark.parametrize("content", [b"no gzip", gzip.compress(b"1 2 3"), gzip.compress(b"99 0 0 0\n")])
+@pytest.mark.parametrize(
+    "content", [b"no gzip", gzip.compress(b"1 2 3", mtime=0), gzip.compress(b"99 0 0 0\n", mtime=0)]
+)
 def test_broken_targets_are_named(content, cube, tmp_path):
     write_targets(tmp_path, MIDDLE, lambda name: [])
     (tmp_path / "macrodetails" / "asian-male-young.target.gz").write_bytes(content)

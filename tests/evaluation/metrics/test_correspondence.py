@@ -203,6 +203,8 @@ def test_flat_maps_hold_ids_of_the_target_or_none(lowest, highest):
     else:
         found = correspondence_error(FlatDistance(SHEET), source, target, image, 1.0)
         assert np.isnan(found).tolist() == [lowest == -1, False, False]
+    found = correspondence_error(FlatDistance(SHEET), source, target, np.full(3, 2), 1.0)
+    assert np.isfinite(found).all()  # all to one place
     for wrong in (image[:2], np.zeros(4, int)):
         with pytest.raises(InputError, match="does not fit a source of 3"):
             correspondence_error(FlatDistance(SHEET), source, target, wrong, 1.0)

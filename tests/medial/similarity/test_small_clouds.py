@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from medial import Departures, medial_axis, similarity, surface_areas
+from medial import Departures, dual_areas, medial_axis, similarity, surface_areas
 from medial.areas.equations import medial_averages
 from medial.operator import Operator, medial_weights
 from medial.similarity.candidate_ball import smallest_width
 from medial.similarity.equations import similarity_matrix
 from medial.validation import check_cloud
 from tests.medial import clouds
+from tests.medial.areas.test_dual_area import written_areas
 
 pytestmark = pytest.mark.uncompiled
 SHAPES = {
@@ -38,6 +39,16 @@ def test_medial_points_and_radii_are_those_of_equation_9():
     assert some.mean() > 0.8
     assert centers[some] == pytest.approx(written_centers[some], abs=1e-9)
     assert radii[some] == pytest.approx(written_radii[some], abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["cylinder", "body with a hole"])
+def test_dual_areas_are_those_of_equation_10(name):
+    points, normals = SHAPES[name]
+    centers, radii = medial_axis(points, normals, similarity(points, normals))
+    written = written_areas(points, centers, radii, nearest=6)
+    some = np.isfinite(written)
+    assert some.mean() > 0.6
+    assert dual_areas(points, centers, radii, nearest=6)[some] == pytest.approx(written[some], rel=1e-9)
 
 
 def test_without_any_departure_every_pair_counts():

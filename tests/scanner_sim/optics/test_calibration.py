@@ -75,3 +75,44 @@ def test_a_scan_has_the_errors_of_its_calibration(plate, cameras):
         expected = calibration.depth_error(local, seen)
         assert np.abs(expected).max() > 0.3
         assert np.allclose(gap, expected, atol=0.02, rtol=0.02)
+
+
+def test_derivatives_by_hand():
+    """At z = 100, b = 50: dz = z db / b, z^2 dtheta / (b cos^2 theta), z^2 d / (b f), z x e / b."""
+    depth, angle = np.array([100.0]), np.array([np.pi / 3])
+    assert calibration.baseline_depth_error(depth, 50.0, 0.2) == pytest.approx([0.4])
+    assert calibration.sheet_depth_error(depth, angle, 50.0, 0.01) == pytest.approx([2 / 0.25])
+    assert calibration.principal_point_depth_error(depth, 50.0, 400.0, 0.5) == pytest.approx([0.25])
+    assert calibration.focal_depth_error(np.array([-20.0]), depth, 50.0, 0.01) == pytest.approx([-0.4])
+
+
+def test_all_errors_add_up_by_hand():
+    config = ScannerConfig(**ERRORS)
+    point = np.array([[20.0, 7.0, 100.0]])
+    b, square = config.baseline, 1 + ((20 - config.baseline) / 100) ** 2  # 1 / cos^2 of the sheet's angle
+    expected = (
+        100 * 0.2 / b
+        + 100**2 * np.radians(0.05) * square / b
+        + 100**2 * 0.7 / (b * config.focal)
+        + 100 * 20 * 0.004 / b
+    )
+    assert calibration.depth_error(point, config) == pytest.approx([expected])
+
+
+def test_one_error_of_the_lens_alone_by_hand():
+    """The middle of the image stays with another focal length; another middle moves all pixels alike."""
+    middle = np.array([[199.5, 199.5], [299.5, 99.5]])
+    longer = calibration.assumed_pixels(middle, ScannerConfig(focal_error=0.25))
+    assert longer == pytest.approx(np.array([[199.5, 199.5], [279.5, 119.5]]))
+    for error in ((2.0, 0.0), (0.0, -3.0)):
+        moved = calibration.assumed_pixels(middle, ScannerConfig(principal_point_error=error))
+        assert moved == pytest.approx(middle - error)
+    assert calibration.assumed_pixels(middle, ScannerConfig()) is middle
+
+
+def test_errors_to_the_other_side_by_hand():
+    """A shorter focal length moves pixels outward; a negative error of the sheet is one, too."""
+    shorter = calibration.assumed_pixels(np.array([[299.5, 99.5]]), ScannerConfig(focal_error=-0.2))
+    assert shorter == pytest.approx(np.array([[199.5 + 125, 199.5 - 125]]))
+    turned = calibration.assumed_angle(np.array([0.3]), ScannerConfig(sheet_error=-2.0))
+    assert turned == pytest.approx([0.3 - np.pi / 90])

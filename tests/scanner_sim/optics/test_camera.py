@@ -37,7 +37,6 @@ def test_window_holds_every_vertex_and_no_more_than_the_image():
     assert (image >= [left, top]).all()
     assert (image <= [left + width, top + height]).all()
     assert left + width <= 100
-    assert visible_window(points * [-1, 1, -1] + [0, 0, 1e3], config) is not None
     assert visible_window(points + np.array([1e4, 0, 0]), config) is None
 
 
@@ -51,5 +50,50 @@ def test_scans_through_a_distorting_lens_hit_where_the_rays_go(capsule, each_var
     image = np.stack([x, y], axis=1) * config.focal + np.array(config.resolution) / 2
     assert np.abs(image - found.pixels - 0.5).max() < 0.05
     assert np.abs(found.points - found.true_points).max() < 0.2
-    straight = scan(capsule, ScannerConfig(views=2, resolution=LENS["resolution"]))
-    assert len(found) != len(straight)
+    pinhole = local[:, :2] / local[:, 2:] * config.focal + np.array(config.resolution) / 2
+    assert np.abs(pinhole - found.pixels - 0.5).max() > 0.4  # what the lens moves them by
+
+
+def test_rays_by_hand():
+    """Columns from the left, rows from the top; the middle of the image lies between pixels 31 and 32."""
+    config = ScannerConfig(resolution=(64, 48), field_of_view=60.0)
+    focal = 32 / np.tan(np.radians(30))
+    rays = camera_rays(np.array([[0, 0], [40, 30], [31.5, 23.5]]), config)
+    expected = [[-31.5 / focal, -23.5 / focal, 1], [8.5 / focal, 6.5 / focal, 1], [0, 0, 1]]
+    assert rays == pytest.approx(np.array(expected))
+    bent = ScannerConfig(resolution=(64, 48), field_of_view=60.0, distortion=(0.2, -0.1))
+    x, y, _ = camera_rays(np.array([[0, 0], [40, 30]]), bent).T
+    assert np.stack(distorted(x, y, 0.2, -0.1), axis=1) == pytest.approx(rays[:2, :2], abs=1e-9)
+    assert not np.allclose(x, rays[:2, 0], atol=1e-4)
+
+
+def test_distortion_by_hand():
+    """r^2 = 0.25: a factor of 1 + 0.1 / 4 + 0.4 / 16."""
+    assert distorted(0.3, -0.4, 0.1, 0.4) == pytest.approx((0.3 * 1.05, -0.4 * 1.05))
+    assert undistorted(0.3 * 1.05, -0.4 * 1.05, 0.1, 0.4) == pytest.approx((0.3, -0.4), abs=1e-12)
+
+
+def test_window_by_hand():
+    """Vertices at columns 20.3 to 70.8 and rows 10.2 to 50.6: a pixel more on every side."""
+    config = ScannerConfig(resolution=(100, 80))
+    image = np.array([[20.3, 50.6], [70.8, 30.0], [40.0, 10.2]])
+    depth = np.array([0.5, 90.0, 200.0])
+    points = np.column_stack([(image - [50, 40]) / config.focal * depth[:, None], depth])
+    assert visible_window(points, config) == (19, 9, 53, 43)  # up to columns 72 and rows 52
+    beyond = image * [[-1, 1], [1, 1], [1, 3]]
+    points[:, :2] = (beyond - [50, 40]) / config.focal * depth[:, None]
+    assert visible_window(points, config) == (0, 29, 72, 23)
+    left, above = points - [300, 0, 0] * depth[:, None] / 90, points - [0, 300, 0] * depth[:, None] / 90
+    assert visible_window(left, config) is None
+    assert visible_window(above, config) is None
+
+
+@pytest.mark.parametrize("depth", [-5.0, 0.0, 1e-6])
+def test_window_by_hand_of_what_reaches_the_eye_is_the_image(depth):
+    points = np.array([[0.0, 0, 100], [1, 2, 90], [0, 0, depth]])
+    assert visible_window(points, ScannerConfig(resolution=(100, 80))) == (0, 0, 100, 80)
+
+
+def test_window_by_hand_behind_a_bending_lens_is_the_image():
+    points = np.array([[0.0, 0, 100], [1, 2, 90]])
+    assert visible_window(points, ScannerConfig(**LENS)) == (0, 0, 48, 40)

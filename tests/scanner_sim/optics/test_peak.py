@@ -62,6 +62,7 @@ def test_empty_input_gives_empty_output(method):
     assert len(peak.fit(np.zeros((0, 9)), method, np.zeros(0)).peak) == 0
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("samples", [7, 8])
 def test_a_symmetric_row_has_its_peak_in_the_middle(method, samples):
@@ -80,6 +81,7 @@ def test_shifting_the_samples_shifts_the_position_alone(method):
     assert np.allclose(shifted.width, found.width, atol=1e-5, equal_nan=True)
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("method", METHODS)
 def test_mirroring_the_samples_mirrors_the_position(method):
     rows = noisy(300, np.random.default_rng(1))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import optimize, stats
 
 from scanner_sim.optics import sensor
 from scanner_sim.optics.noise import SampleNoise
@@ -154,3 +154,59 @@ def test_speckle_multiplies_the_laser_but_not_the_room():
     values, _ = exposed(light, ambient=0.2, speckle_contrast=1.0, bits=0)
     assert np.allclose(values[:, 4:], 0)
     assert values[:, :4].std() == pytest.approx(0.05, rel=0.15)
+
+
+def test_everything_of_the_sensor_by_hand():
+    """Exposed twice as long, less speckle, at a gain of 1.5, a dark level of 0.02 and ambient light."""
+    light, cast = np.array([[0.1, 0.0, 0.3]]), np.array([[0.5, 0.04, 1.0]])
+    config = ScannerConfig(exposure=2.0, noise=0.1, gain=1.5, dark_level=0.02, bits=0)
+    noise = samples(1, 3)
+    values, ceiling = sensor.expose(light, cast, np.array([0.05]), config, noise)
+    taken = np.array([0.1, 0.04, 0.1]) * np.exp(-2 * noise.normal(0)[0] ** 2)
+    stored = np.clip(((light[0] + 0.05) * 2 - taken) * 1.5 + 0.02, 0, 1)
+    assert values[0] == pytest.approx(stored - 0.17)
+    assert ceiling == pytest.approx([0.83])
+
+
+def test_noise_of_the_sensor_by_hand():
+    """Streams of their own: counts of the second, read noise of the third."""
+    config = ScannerConfig(full_well=100, read_noise=0.03, dark_level=0.2, bits=0)
+    noise = samples(1, 50)
+    values, _ = sensor.expose(np.full((1, 50), 0.05), np.ones((1, 50)), np.zeros(1), config, noise)
+    counts = stats.poisson.ppf(noise.uniform(1)[0], 5.0) / 100
+    assert values[0] == pytest.approx(np.clip(counts + 0.03 * noise.normal(2)[0] + 0.2, 0, 1) - 0.2)
+
+
+def test_quantisation_by_hand():
+    """Two bits have four levels, three steps."""
+    values = np.array([-0.1, 0.15, 0.18, 0.49, 0.51, 0.7, 1.2])
+    assert sensor.quantise(values, 2) * 3 == pytest.approx([0, 0, 1, 1, 2, 2, 3])
+    assert sensor.quantise(values, 2, "truncate") * 3 == pytest.approx([0, 0, 0, 1, 1, 2, 3])
+    assert sensor.quantise(values, 0).tolist() == [0, 0.15, 0.18, 0.49, 0.51, 0.7, 1]
+
+
+def expansion(normal, mean):
+    """Q_N2 of [Gil16], as published."""
+    root = np.sqrt(mean)
+    return (
+        mean
+        + root * normal
+        + (1 / 3 + normal**2 / 6)
+        + (-normal / 36 - normal**3 / 72) / root
+        + (-8 / 405 + 7 * normal**2 / 810 + normal**4 / 270) / mean
+    )
+
+
+@pytest.mark.parametrize("mean", [10.0, 37.5, 900.0])
+def test_many_counts_change_where_the_published_expansion_is_whole(mean):
+    for count in np.round(mean + np.sqrt(mean) * np.array([-2.5, -1, 0.3, 1, 2.7])):
+        place = optimize.brentq(lambda w, count=count: expansion(w, mean) - count, -4, 4, xtol=1e-14)
+        around = stats.norm.cdf(place + np.array([-1e-7, 1e-7]))
+        assert sensor.poisson(around, np.full(2, mean)).tolist() == [count - 1, count]
+
+
+def test_a_count_is_the_smallest_whose_probability_reaches_the_number():
+    """Of mean 0.7, no count has the probability exp(-0.7): that number gives none, a larger one gives one."""
+    none = np.exp(np.array([-0.7]))
+    assert sensor.poisson(none, np.array([0.7])) == 0
+    assert sensor.poisson(np.nextafter(none, 1) + 1e-15, np.array([0.7])) == 1

@@ -97,3 +97,52 @@ def test_a_translucent_plate_is_measured_too_deep(plate):
     clear = scan(plate, replace(config, translucency=0.0))
     middle = np.linalg.norm(clear.true_points[:, :2], axis=1) < 5
     assert abs((clear.true_points - clear.points)[middle, 2].mean()) < 1e-3
+
+
+def test_slopes_by_hand():
+    """At 45 degrees into an index of 1.25: sin a' = 0.8 sqrt(1/2), tan a' = sqrt(0.32 / 0.68)."""
+    ray = np.array([[0.5, -0.5, np.sqrt(0.5)], [0, 0, 1]])
+    slopes = translucency.refracted_slopes(ray, np.tile([0, 0, -1.0], (2, 1)), 1.25)
+    tangent = np.sqrt(0.32 / 0.68)
+    assert slopes == pytest.approx(
+        np.array([[tangent, -tangent, 0], [0, 0, 0]]) * [np.sqrt(0.5), np.sqrt(0.5), 1]
+    )
+
+
+def test_grazing_light_is_taken_to_be_as_oblique_as_the_least_cosine():
+    rays = np.array([[1.0, 0, 0], [np.sqrt(1 - 0.01**2), 0, 0.01], [np.sqrt(1 - 0.02**2), 0, 0.02]])
+    slopes = translucency.refracted_slopes(rays, np.tile([0, 0, -1.0], (3, 1)), 1.5)
+    sine = np.sqrt(1 - 0.02**2) / 1.5
+    assert slopes[:, 0] == pytest.approx([sine / np.sqrt(1 - sine**2)] * 3)
+
+
+@pytest.mark.parametrize(("mean", "count"), [(0.01, 6), (1.0, 6), (1.4, 9), (2.0, 12), (9.0, 24)])
+def test_depths_are_those_of_gauss_and_laguerre(mean, count):
+    """Six per millimetre, between 6 and 24: exact up to the power 2 q - 1."""
+    depths, weights = translucency.scattering_depths(mean)
+    assert len(depths) == len(weights) == count
+    assert weights.sum() == pytest.approx(1)
+    power = min(2 * count - 1, 11)
+    assert (weights * (depths / mean) ** power).sum() == pytest.approx(
+        float(np.prod(np.arange(1, power + 1)))
+    )
+
+
+def test_entry_points_by_hand():
+    """Straight through (n = 1): light seen at a depth d along the camera's ray came along the laser's."""
+    point, normal = np.array([[10.0, 5, 100]]), np.array([[0, 0, -1.0]])
+    places, weights = translucency.entry_points(
+        point, normal, 40.0, ScannerConfig(translucency=0.5, refractive_index=1.0)
+    )
+    depths, expected = translucency.scattering_depths(0.5)
+    sideways = np.array([10 / 100 - (10 - 40) / 100, 0, 0])
+    assert places[0] == pytest.approx(point + depths[:, None] * sideways)
+    assert weights == pytest.approx(expected)
+
+
+def test_a_ray_along_the_normal_goes_straight_on_whatever_its_rounding():
+    """A product of unit vectors may be above 1 in its last digit."""
+    ray = np.array([[0, 0, 1 + 4e-16]])
+    assert translucency.refracted_slopes(ray, np.array([[0, 0, -1.0]]), 1.5) == pytest.approx(
+        np.zeros((1, 3))
+    )

@@ -23,3 +23,21 @@ def test_a_calibration_without_error_changes_no_bit():
     for config in (ScannerConfig(), ScannerConfig(distortion=(0.1, 0.01))):
         plain = triangulate(camera_rays(pixels, config), angle, config.baseline)
         assert np.array_equal(triangulated(pixels, angle, config), plain)
+
+
+def test_ray_and_sheet_by_hand():
+    """A ray of slope 1/2 and a sheet from 30 to the right that leans left by 1/4: depth 40."""
+    found = triangulate(np.array([[0.5, -0.2, 1.0]]), np.array([np.arctan(-0.25)]), 30.0)
+    assert np.allclose(found, [[20, -8, 40]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        parallel = triangulate(np.array([[0.0, 0.1, 1.0]]), np.array([0.0]), 30.0)
+    assert not np.isfinite(parallel).all()
+
+
+def test_a_scanner_triangulates_with_what_it_believes():
+    """With an encoder that is off by half a degree, another baseline and focal length."""
+    config = ScannerConfig(resolution=(400, 400), sheet_error=0.5, baseline_error=2.0, focal_error=0.01)
+    found = triangulated(np.array([[299.5, 149.5]]), np.array([-0.2]), config)
+    ray = np.array([100, -50]) / (1.01 * config.focal)
+    depth = (config.baseline + 2) / (ray[0] - np.tan(-0.2 + 0.5 * np.pi / 180))
+    assert np.allclose(found, [[*(ray * depth), depth]])

@@ -10,6 +10,12 @@ from scanner_sim.output.sheet_view import accepted_shares, levels, scanned
 from scanner_sim.scanner import Rig
 
 
+def colours_of(path):
+    """How many colours a picture has: a blank one with titles and frames has fewer than 100."""
+    image = np.array(Image.open(path).convert("RGB"))
+    return len(np.unique(image.reshape(-1, 3), axis=0))
+
+
 def test_contact_sheet_is_a_picture_of_its_view(torus, tmp_path):
     config = ScannerConfig(views=3, resolution=(80, 80), noise=0.1)
     write_contact_sheet(torus, tmp_path / "sheet.png", config, view=1)
@@ -35,7 +41,7 @@ def test_all_views_make_a_taller_picture(torus, tmp_path):
 def test_other_rigs_have_sheets_too(more, torus, tmp_path):
     values = {"views": 1, "resolution": (40, 40), "distance": 110.0, "max_range": 600.0} | more
     write_contact_sheet(torus, tmp_path / "sheet.png", ScannerConfig(**values))
-    assert (tmp_path / "sheet.png").stat().st_size > 10_000
+    assert colours_of(tmp_path / "sheet.png") > 200
 
 
 def test_profilers_have_sheets_too(torus, tmp_path):
@@ -43,7 +49,7 @@ def test_profilers_have_sheets_too(torus, tmp_path):
         views=1, resolution=(40, 40), motion="profiler", profile_step=5.0, stripe_width=6.0
     )
     write_contact_sheet(torus, tmp_path / "sheet.png", config)
-    assert (tmp_path / "sheet.png").stat().st_size > 10_000
+    assert colours_of(tmp_path / "sheet.png") > 200
 
 
 def test_profiles_are_the_samples_that_were_fitted(torus):

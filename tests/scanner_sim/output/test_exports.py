@@ -1,9 +1,12 @@
 """LAS, LAZ and E57, read back with the packages that define them for Python."""
 
+import re
+
 import numpy as np
 import pytest
 
 from datasets_gen import InputError
+from datasets_gen.extras import pip_install
 from scanner_sim import ScannerConfig, sample, scan
 from scanner_sim.output import packages
 from scanner_sim.output.e57 import write_e57
@@ -88,7 +91,7 @@ def test_empty_scans(found, tmp_path):
 )
 def test_missing_packages_are_one_line(found, name, write, tmp_path, monkeypatch):
     monkeypatch.setattr(packages, "find_spec", lambda package: None)
-    with pytest.raises(InputError, match=r"pip install 'medialbench\[exports\]'") as caught:
+    with pytest.raises(InputError, match=re.escape(pip_install("exports"))) as caught:
         write(tmp_path / name, found)
     assert "\n" not in str(caught.value)
     assert not (tmp_path / name).exists()

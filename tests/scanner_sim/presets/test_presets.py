@@ -73,8 +73,8 @@ def test_depth_noise_is_the_stated_accuracy(name):
     residual = (found.points - found.true_points)[:, 2] * found.scale
     inner = (np.abs(found.true_points[:, :2]) < 25).all(axis=1)  # a line half on the plate is biased
     assert inner.sum() > 1000
-    assert 0.5 < 2 * residual[inner].std() / about["accuracy"] < 2
-    assert abs(residual[inner].mean()) < 0.5 * about["accuracy"]
+    assert 2 * residual[inner].std() == pytest.approx(about["accuracy"], rel=0.15)
+    assert abs(residual[inner].mean()) < 0.1 * about["accuracy"]
 
 
 def test_the_reference_has_the_settings_of_its_measured_tables():

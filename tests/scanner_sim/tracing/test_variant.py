@@ -1,6 +1,5 @@
 """Probing of variants, and agreement between them."""
 
-import os
 import subprocess
 import sys
 
@@ -69,6 +68,19 @@ def test_a_passed_probe_is_remembered_on_disk_and_a_failed_one_is_not(fresh):
     assert len(runs) == 2
 
 
+@pytest.mark.parametrize(
+    "content", ["[]", "{", '{"variant": "cuda_ad_rgb"}', '{"works": "no"}', "[" * 100_000]
+)
+def test_a_damaged_note_of_a_probe_is_made_again(fresh, content):
+    fresh.setattr(variant, "_run", lambda name, library: variant.Probe(name, True, "", library))
+    path = variant._cache_file(variant.CUDA, None)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(content)
+    assert variant._probed(variant.CUDA, None) == variant.Probe(variant.CUDA, True, "")
+    fresh.setattr(variant, "_run", None)
+    assert variant._probed(variant.CUDA, None).works
+
+
 def test_override_wins_and_unusable_overrides_are_errors(fresh):
     fresh.setenv("MEDIALBENCH_VARIANT", "scalar_rgb")
     assert variant.choose() == "scalar_rgb"
@@ -97,10 +109,21 @@ def test_report_names_every_variant_and_never_raises(fresh):
     assert all(probe.works or probe.reason for probe in report["probes"])
 
 
-def test_libraries_are_real_files_newest_first():
-    found = variant.llvm_libraries()
-    assert all(os.path.isfile(path) for path in found)
-    assert len(set(found)) == len(found)
+def test_libraries_are_real_files_newest_first_and_each_once(fresh, tmp_path):
+    newer, older = tmp_path / "new", tmp_path / "old"
+    for folder, names in ((older, ["libLLVM-9.so", "libLLVMCore.so.20"]), (newer, ["libLLVM.so.19.1"])):
+        folder.mkdir()
+        for name in names:
+            (folder / name).write_text("")
+    (newer / "libLLVM.so").symlink_to("libLLVM.so.19.1")
+    fresh.setattr(variant, "_FOLDERS", (str(older), str(newer), "/nonexistent"))
+    fresh.delenv("CONDA_PREFIX", raising=False)
+    found = [newer / "libLLVM.so.19.1", older / "libLLVM-9.so"]
+    assert variant.llvm_libraries() == [str(path.resolve()) for path in found]
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "libLLVM.20.dylib").write_text("")
+    fresh.setenv("CONDA_PREFIX", str(tmp_path))
+    assert variant.llvm_libraries()[0] == str((tmp_path / "lib" / "libLLVM.20.dylib").resolve())
 
 
 def test_a_callers_own_variant_is_put_back_and_ours_is_left():

@@ -5,7 +5,9 @@ import pytest
 from scipy import stats
 
 from scanner_sim.optics import peak
-from scanner_sim.optics.detectors.centre_of_mass import centre_of_mass
+from scanner_sim.optics.detectors.centre_of_mass import centre_of_mass, located
+
+pytestmark = pytest.mark.uncompiled
 
 
 @pytest.mark.parametrize("size", [5, 8])
@@ -33,3 +35,19 @@ def test_light_outside_the_window_is_not_seen():
     beside = row + 0.3 * np.exp(-(((np.arange(30.0) - 24) / 1.5) ** 2))
     got, expected = (peak.fit(each[None], "centre_of_mass").position[0] for each in (beside, row))
     assert got == pytest.approx(expected, abs=1e-6)
+
+
+def test_it_is_the_weighted_mean_by_hand():
+    """(1 x 0.2 + 2 x 0.9 + 3 x 0.4) / 1.5, of all samples and of some."""
+    row = np.array([0, 0.2, 0.9, 0.4, 0])
+    assert centre_of_mass(row, 0, 4) == pytest.approx(3.2 / 1.5)
+    assert centre_of_mass(row, 2, 3) == pytest.approx((1.8 + 1.2) / 1.3)
+    assert centre_of_mass(row, -3, 9) == pytest.approx(3.2 / 1.5)
+
+
+def test_the_window_is_one_and_a_half_widths_beside_the_plateau():
+    """Of a plateau of two there are two samples of half the height: three on either side of it count."""
+    row = np.array([0.4, 0.3, 0.1, 0.1, 0.2, 0.9, 0.9, 0.3, 0.1, 0.05, 0.4])
+    assert located(row) == pytest.approx((row * np.arange(11))[2:10].sum() / row[2:10].sum())
+    assert np.isnan(located(np.array([0, 0.9, 0.9, 0, 0])))
+    assert located(np.array([0, 0.5, 0.9, 0.5, 0])) == pytest.approx(2)

@@ -6,6 +6,8 @@ import pytest
 from scanner_sim.optics import peak
 from scanner_sim.optics.detectors import fir
 
+pytestmark = pytest.mark.uncompiled
+
 
 def slow(row, order):
     """Zero crossing by convolution."""
@@ -40,3 +42,28 @@ def test_a_peak_at_the_end_of_the_row_is_found():
     found = peak.fit(rows, "fir").position
     assert found[0] == pytest.approx(5 - found[1])
     assert -1 <= found[0] <= 1
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 6, 7])
+def test_the_order_goes_by_the_width_at_half_the_height(count):
+    """Of bars of up to four samples order 4, of wider ones order 8; flanks of all kinds beside them."""
+    rng = np.random.default_rng(count)
+    for _ in range(5):
+        row = np.zeros(26)
+        row[8 : 8 + count] = rng.uniform(0.6, 1, count)
+        row[[6, 7, 8 + count, 9 + count]] = rng.uniform(0, 0.25, 4)
+        top = int(row.argmax())
+        order = 4 if count <= 4 else 8
+        assert fir.located(row) == pytest.approx(fir.crossing(row, top, order))
+        assert fir.crossing(row, top, order) == pytest.approx(slow(row, order), abs=1e-9)
+    assert np.isnan(fir.located(np.array([0, 0.9, 0.8, 0, 0])))
+    assert fir.located(np.array([0, 0, 0, 0.4, 0.9, 0.9, 0.4, 0, 0, 0])) == pytest.approx(4.5)
+
+
+@pytest.mark.parametrize("height", [0.05, 0.1, 0.3, 0.44])
+def test_a_peak_with_one_long_flank_lies_beside_its_largest_sample(height):
+    """The derivative is positive at the largest sample itself, by the flank before it."""
+    row = np.array([0, 0, 0, 0, height, height, 0.9, 0, 0, 0, 0])
+    assert fir.derivative(row, 6, 4) == pytest.approx(2 * height)
+    for each, place in ((row, slow(row, 4)), (row[::-1], 10 - slow(row, 4))):
+        assert fir.crossing(each, int(each.argmax()), 4) == pytest.approx(place)

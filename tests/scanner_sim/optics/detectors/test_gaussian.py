@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from scanner_sim.optics import peak
+from scanner_sim.optics.detectors import gaussian
+
+pytestmark = pytest.mark.uncompiled
 
 
 def test_it_is_the_weighted_parabola_through_logarithms():
@@ -31,3 +34,36 @@ def test_saturated_samples_are_left_out():
 
 def test_a_valley_has_no_peak():
     assert np.isnan(peak.fit(np.array([[0.5, 0.1, 0.5, 0, 0]]), "gaussian").peak[0])
+
+
+def test_it_is_the_weighted_parabola_through_some_samples():
+    """Dark and saturated ones are left out; the others weigh as much as they are bright."""
+    rng = np.random.default_rng(2)
+    x = np.arange(12.0)
+    for _ in range(20):
+        row = rng.uniform(0.5, 1) * np.exp(-(((x - rng.uniform(4, 7)) / 2.2) ** 2) + rng.normal(0, 0.1, 12))
+        row[rng.integers(12, size=2)] = 0
+        ceiling = np.sort(row)[-2]
+        kept = (row > 1e-6) & (row < ceiling)
+        c, b, a = np.polyfit(x[kept], np.log(row[kept]), 2, w=row[kept])
+        expected = (np.exp(a - b * b / (4 * c)), -b / (2 * c), np.sqrt(-1 / c)) if c < 0 else (np.nan,) * 3
+        assert gaussian.log_parabola(row, ceiling) == pytest.approx(expected, rel=1e-6, nan_ok=True)
+
+
+def test_three_samples_that_count_are_enough_and_two_are_not():
+    row = np.array([0, 0.3, 0.8, 0.5, 0, 1])
+    peak_of, position, width = gaussian.log_parabola(row, 1.0)
+    found = peak_of * np.exp(-(((np.arange(1, 4) - position) / width) ** 2))
+    assert found == pytest.approx(row[1:4])
+    assert np.isnan(gaussian.log_parabola(row, 0.8)).all()
+
+
+def test_samples_that_count_are_above_the_floor_and_below_the_ceiling():
+    assert [gaussian.counts(value, 0.9) for value in (0.0, 1e-6, 2e-6, 0.89, 0.9, 1.0)] == [
+        False, False, True, True, False, False,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("dip", [0.1, 0.4, 0.499])
+def test_a_valley_however_shallow_has_neither_peak_nor_place(dip):
+    assert np.isnan(gaussian.log_parabola(np.array([0.5, dip, 0.5]), 1.0)).all()

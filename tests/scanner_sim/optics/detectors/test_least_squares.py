@@ -19,6 +19,7 @@ def bound(x, height, position, width, sigma):
     return sigma * np.sqrt(np.linalg.inv(j.T @ j)[1, 1])
 
 
+@pytest.mark.uncompiled
 def test_it_is_the_least_squares_solution():
     rng = np.random.default_rng(0)
     x = np.arange(9.0)
@@ -31,6 +32,7 @@ def test_it_is_the_least_squares_solution():
         assert np.allclose(got, (best[0], best[1], abs(best[2])), rtol=1e-3)
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("exposure", [1.2, 2.0, 4.0])
 def test_clipped_gaussians_are_recovered(exposure):
     x, place = np.arange(13.0), np.linspace(5.5, 6.5, 41)
@@ -71,12 +73,14 @@ def test_the_position_reaches_the_cramer_rao_bound(sigma):
     assert error.std() == pytest.approx(best, rel=0.1)
 
 
+@pytest.mark.uncompiled
 def test_three_unknowns_need_three_samples_that_are_not_saturated():
     row = np.array([[0.1, 1, 1, 1, 0.1, 0, 0]])
     assert np.isnan(peak.fit(row, "least_squares", np.ones(1)).peak[0])
     assert np.isfinite(peak.fit(row, "least_squares").peak[0])
 
 
+@pytest.mark.uncompiled
 def test_where_the_logarithms_have_no_maximum_it_starts_from_the_moments():
     """Speckle took the right flank: the parabola opens upwards, the intensities still have a peak."""
     row = np.array([[0, 0, 0.01, 0, 0.09, 0.28, 0, 0, 0]])
@@ -86,5 +90,6 @@ def test_where_the_logarithms_have_no_maximum_it_starts_from_the_moments():
     assert found.width[0] < 2
 
 
+@pytest.mark.uncompiled
 def test_a_valley_has_no_peak():
     assert np.isnan(peak.fit(np.array([[0.5, 0.1, 0.5]]), "least_squares").peak[0])

@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from scanner_sim.optics import peak
+from scanner_sim.optics.detectors import parabola
+
+pytestmark = pytest.mark.uncompiled
 
 
 @pytest.mark.parametrize("width", [1.0, 1.275, 2.0])
@@ -22,3 +25,17 @@ def test_it_is_exact_on_parabolas():
     found = peak.fit(rows, "parabola")
     assert np.allclose(found.position, place)
     assert np.allclose(found.peak, 1)
+
+
+def test_vertex_by_hand():
+    """Of y = 2 - (x - 1/4)^2 at -1, 0 and 1; and of three samples by Lagrange's parabola."""
+    assert parabola.vertex(2 - 1.25**2, 2 - 0.25**2, 2 - 0.75**2) == pytest.approx(0.25)
+    c, b, _ = np.polyfit([-1, 0, 1], [0.3, 0.9, 0.7], 2)
+    assert parabola.vertex(0.3, 0.9, 0.7) == pytest.approx(-b / (2 * c))
+
+
+def test_a_plateau_has_its_peak_in_the_middle_and_two_samples_none():
+    assert parabola.located(np.array([0, 0.2, 0.9, 0.9, 0.9, 0.4])) == 3
+    assert parabola.located(np.array([0, 0.9, 0.9, 0.4, 0])) == 1.5
+    assert np.isnan(parabola.located(np.array([0, 0.9, 0.4, 0, 0])))
+    assert parabola.located(np.array([0, 0.2, 0.9, 0.2])) == 2

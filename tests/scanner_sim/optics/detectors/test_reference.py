@@ -85,6 +85,17 @@ def test_it_does_what_its_description_says(step):
     assert (found.peak[~few] != rows[~few].max(axis=1)).sum() > 300
 
 
+@pytest.mark.uncompiled
+def test_rows_of_three_samples_and_more_are_refined_as_described():
+    rows = stripes(150, np.random.default_rng(4), noise=0.35)
+    rows = rows[(rows > 1e-6).sum(axis=1) >= 3]
+    found = peak.fit(rows, "reference", step=STEP)
+    got = np.stack([found.peak, found.position, found.width, found.residual, found.accepted], axis=1)
+    assert len(rows) > 80
+    assert (found.peak != rows.max(axis=1)).sum() > 20
+    assert got == pytest.approx(np.array([plain(row, STEP) for row in rows]), rel=1e-8)
+
+
 def test_where_it_begins_within_the_tolerance_it_keeps_centre_of_mass_and_largest_sample():
     rows = stripes(2000, np.random.default_rng(1), noise=0.0) * 0.5
     found = peak.fit(rows, "reference", step=STEP)
@@ -92,6 +103,7 @@ def test_where_it_begins_within_the_tolerance_it_keeps_centre_of_mass_and_larges
     assert np.allclose(found.position, rows @ np.arange(9.0) / rows.sum(axis=1), atol=1e-12)
 
 
+@pytest.mark.uncompiled
 def test_seven_samples_of_the_default_sweep_begin_two_steps_wide():
     """sqrt(mean of (-3..3)^2) = 2 samples of .156 degrees."""
     row = 0.3 * np.exp(-(((np.arange(9.0) - 4) / 1.275) ** 2)) * (np.abs(np.arange(9.0) - 4) < 3.5)
@@ -119,6 +131,7 @@ def test_refined_noise_free_peaks_have_the_width_of_the_stripe():
     assert np.median(found.width[refined]) * STEP / STRIPE == pytest.approx(0.1763, rel=0.05)
 
 
+@pytest.mark.uncompiled
 def test_what_no_gaussian_describes_is_not_accepted():
     rows = np.array([[0.0, 1, 0.01, 0.01, 0.01, 0.01, 0.01, 1, 0]])
     found = peak.fit(rows, "reference", step=STEP)
