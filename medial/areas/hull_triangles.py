@@ -14,6 +14,9 @@ from datasets_gen.compiled import compiled
 from medial.similarity.leaves import LEAF
 
 FLAT = 1e-12  # volumes of unit vectors below this are flat
+IN_PLANE = 1e-9
+"""Sine of the angle to a plane below which a direction lies in it. What a camera sees in one column of its
+pixels lies in one plane with it: the last digits must not decide which of these points are corners."""
 
 
 @compiled()
@@ -98,6 +101,8 @@ def fan_area(offsets: Any) -> Any:
         The other points, relative to the one in question; coinciding ones are ignored.
     """
     count = len(offsets)
+    if count < 3:
+        return np.nan
     units = np.empty((count, 3))
     for k in range(count):
         length = max(np.sqrt(_dot(offsets[k], offsets[k])), 1e-300)
@@ -120,7 +125,8 @@ def fan_area(offsets: Any) -> Any:
             continue
         cut, left = False, 0
         for m in range(sizes):
-            sides[m] = _dot(rays[m], units[k])
+            side = _dot(rays[m], units[k])
+            sides[m] = 0.0 if abs(side) < IN_PLANE else side
             cut = cut or sides[m] > 0.0
             left += sides[m] <= 0.0
         if not cut:
@@ -129,6 +135,8 @@ def fan_area(offsets: Any) -> Any:
             return np.nan
         sizes = _clip(rays, edges, sides, sizes, k, fresh, labels)
         rays, fresh, edges, labels = fresh, rays, labels, edges
+    if sizes < 3:
+        return np.nan  # within a face or an edge
     total = 0.0
     for m in range(sizes):
         total += np.sqrt(
