@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from datasets_gen.records import InputError, cannot_write
 from evaluation.running.environment import usable_processors, versions
-from evaluation.running.local_workers import allow_open_files, start_workers
+from evaluation.running.local_workers import allow_open_files, local_cluster
 from evaluation.running.process import hold_interrupts
 from evaluation.running.scheduler_check import check_scheduler
 from evaluation.running.tls import TlsFiles, certificate_of_this_run, security_of
@@ -144,8 +144,7 @@ def _start(stack: contextlib.ExitStack, workers: int, dashboard: bool) -> "Clien
         silence_logs=logging.CRITICAL,
     )
     with hold_interrupts():
-        local = start_workers(cluster)
-        return Client(stack.enter_context(local), security=security)
+        return Client(stack.enter_context(local_cluster(cluster)), security=security)
 
 
 def _join(scheduler: str, security: "Security") -> "Client":

@@ -1,12 +1,12 @@
-"""Starts Dask's workers on this machine, again where they do not start."""
+"""Starts and ends Dask's workers on this machine, whether or not they do."""
 
 import contextlib
 import logging
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
-from typing import TypeVar
+from collections.abc import Callable, Iterator, Set
+from typing import Any, TypeVar
 
 from datasets_gen.records import InputError
 from evaluation.results.outcome import one_line
@@ -29,49 +29,72 @@ START_WITHIN = 120.0
 SLOWER = 4.0
 """Each further time has so many times as long: the machine may be busy."""
 
+CLOSE_WITHIN = 30.0
+"""Seconds after which workers are ended that do not end by themselves."""
+
 FILES, FILES_PER_WORKER = 64, 16
 """Open files and connections of a run with local workers; 25 and 10.5 were counted."""
 
 
-def start_workers(make: Callable[[], T]) -> T:
-    """What `make` gives, which starts worker processes; tried again if one of them ends or hangs meanwhile.
+@contextlib.contextmanager
+def local_cluster(make: Callable[[], T]) -> Iterator[T]:
+    """A context with the cluster that `make` starts; none of its processes is left afterwards.
+
+    Parameters
+    ----------
+    make
+        Gives a cluster, when its workers have started.
 
     Raises
     ------
     InputError
         If they do not start.
     """
+    before = _children()
+    cluster = _started(make, before)
+    try:
+        yield cluster
+    finally:
+        _close(cluster, before)
+
+
+def _started(make: Callable[[], T], before: Set[int]) -> T:
+    """The cluster; tried again if a worker ends or hangs as it starts, for which Dask would wait for ever."""
     reason = ""
     for attempt in range(STARTS):
+        timer = threading.Timer(START_WITHIN * SLOWER**attempt, _end_children, [before])
+        timer.daemon = True
+        timer.start()
         try:
-            with _ended_after(START_WITHIN * SLOWER**attempt):
-                return make()
+            return make()
         except (RuntimeError, OSError) as error:  # of Dask; a TimeoutError is the latter
             reason = one_line(error.__cause__ or error)
             log.info("the workers do not start: %s", reason)
+        finally:
+            timer.cancel()
     raise InputError(f"the workers on this machine do not start ({reason}); try fewer of them (--jobs)")
 
 
-@contextlib.contextmanager
-def _ended_after(seconds: float) -> Iterator[None]:
-    """A context that ends, after some time, all processes that began in it: Dask would wait for ever."""
+def _close(cluster: Any, before: Set[int]) -> None:
+    """Close a cluster, by force if it takes long: Dask would wait for ever for a worker that hangs."""
+    for _ in range(2):
+        try:
+            cluster.close(timeout=CLOSE_WITHIN)
+            return
+        except (TimeoutError, AssertionError):  # the latter of Dask, about workers that have not ended
+            _end_children(before)
+
+
+def _children() -> set[int]:
     import psutil  # Dask needs it
 
-    this = psutil.Process()
-    before = {child.pid for child in this.children()}
+    return {child.pid for child in psutil.Process().children()}
 
-    def end() -> None:
-        for child in this.children():
-            if child.pid not in before:
-                kill_process(child.pid)
 
-    timer = threading.Timer(seconds, end)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
+def _end_children(before: Set[int]) -> None:
+    """End at once all processes of this one that began later."""
+    for process in _children() - before:
+        kill_process(process)
 
 
 def kill_process(process: int | None) -> None:

@@ -176,6 +176,24 @@ def test_workers_lost_as_they_start(fault, count, settings, undisturbed, tmp_pat
 
 @pytest.mark.long
 @pytest.mark.slow
+@pytest.mark.long
+def test_a_worker_that_hangs_as_it_starts_again_while_the_sweep_ends(
+    settings, undisturbed, tmp_path, injected
+):
+    folder, marks = tmp_path / "results", tmp_path / "marks"
+    marks.mkdir()
+    env = {"MEDIALBENCH_TEST_STUCK": str(marks)}
+    process = started(settings[1], folder, 2, seconds=0.1, start=True, env=env)
+    assert wait_for(partial(has, folder, TASKS - 8), process)
+    (marks / "0").touch()
+    os.kill(workers(process)[0], signal.SIGKILL)
+    assert ended(process) == ("", 0)
+    assert not list(marks.iterdir())
+    injected("worker stuck at its start")
+    check_finished(folder, undisturbed)
+
+
+@pytest.mark.slow
 def test_workers_that_never_start(settings, tmp_path, injected):
     marks = tmp_path / "marks"
     marks.mkdir()
