@@ -292,6 +292,9 @@ def scannable(shape: Shape, repair: bool = False) -> Shape:
     flat = len(faces) - len(wound)
     if flat:
         remarks = (f"{flat} degenerate faces (no area) are ignored", *remarks)
+    parts = len(np.unique(face_components(wound)))
+    if parts > 1:
+        remarks = (f"{parts} pieces", *remarks)
     if remarks:
         _log.warning("%s: %s", shape.name, "; ".join(remarks))
     return shape if np.array_equal(faces, shape.faces) else replace(shape, faces=faces)

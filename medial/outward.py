@@ -81,6 +81,9 @@ def estimate_normals(points: Float) -> Float:
     if stray.any():
         rest = np.asarray(points[~stray])
         return estimate_normals(rest)[nearest_kept(points, stray)]
+    places, index = np.unique(points, axis=0, return_inverse=True)
+    if 1 < len(places) < len(points):  # copies of a point are no neighbours: they span no plane
+        return estimate_normals(places)[index.ravel()]
     neighbours = min(NEIGHBOURS, max(1, len(points) - 1))
     oriented = spanning_tree(points, pca(points, neighbours), neighbours)
     doubt = float((np.einsum("ij,ij->i", oriented, outward_field(points)) < 0).mean())

@@ -65,7 +65,7 @@ def as_cloud(
     elif isinstance(given, Diffusion):
         cloud = bare_scan(given.points, given.normals, name)
     elif isinstance(given, Shape) or len(getattr(given, "faces", ())) or _is_mesh(given):
-        cloud = sample(as_shape(given), points, seed)
+        cloud = sample(as_shape(given, strict=False), points, seed)
     else:
         cloud = _from_arrays(given, name)
     check_finite(cloud, name)

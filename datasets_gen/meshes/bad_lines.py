@@ -119,14 +119,16 @@ def _off(content: bytes, thorough: bool) -> None:
     number, words = next(rows, (1, [b""]))
     if not words[0].upper().endswith(b"OFF"):
         raise _Fault(f"line {number}: the file does not begin with OFF")
+    wide = 6 if words[0].upper().endswith(b"NOFF") else 3  # a normal beside each point
     number, words = (number, words[1:]) if len(words) > 1 else next(rows, (number, []))
     vertices, faces = (_integer(number, words[k : k + 1], "a count") for k in range(2))
     for k in range(vertices):
         number, words = rows.take(k, vertices, "vertex")
-        if len(words) < 3:
-            raise _Fault(f"line {number}: {len(words)} numbers where three are needed")
+        if len(words) < wide:
+            needed = "six" if wide == 6 else "three"
+            raise _Fault(f"line {number}: {len(words)} numbers where {needed} are needed")
         if thorough:
-            _numbers(number, words[:3])
+            _numbers(number, words[:wide])
     for k in range(faces):
         number, words = rows.take(k, faces, "face")
         size = _integer(number, words[:1], "the number of corners")

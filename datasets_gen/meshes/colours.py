@@ -112,7 +112,7 @@ def read_colours(path: str | os.PathLike[str]) -> Colours:
         raise InputError(f"{str(path)!r} cannot be read: {error.strerror}; give a mesh file") from error
     readers = {".ply": _of_ply, ".obj": _of_obj, ".off": _of_off}
     try:
-        found = readers[file.suffix.lower()](content, file)
+        found = readers.get(file.suffix.lower(), _none)(content, file)
     except InputError:
         raise
     except Exception as error:  # parsers raise anything on a broken file
@@ -122,6 +122,11 @@ def read_colours(path: str | os.PathLike[str]) -> Colours:
             f"{str(path)!r} has no colours (of vertices, faces or a texture); choose another material"
         )
     return found
+
+
+def _none(content: bytes, file: Path) -> Colours:
+    """Of formats whose colours are not read."""
+    return {}
 
 
 def _loaded(content: bytes, kind: str, **options: Any) -> Any:

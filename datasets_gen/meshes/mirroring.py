@@ -1,5 +1,7 @@
 """Left and right of a mesh, found from its geometry and its connectivity."""
 
+import warnings
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -124,7 +126,11 @@ def _best_plane(shape: Shape, tree: cKDTree, scale: float) -> tuple[Plane, NDArr
     points, normals = shape.vertices, vertex_normals(shape.vertices, shape.faces, "area")
     middles = points[shape.faces].mean(axis=1)
     centroid = np.average(middles, axis=0, weights=shape.face_areas)
-    covariance = np.cov((middles - centroid).T, aweights=shape.face_areas)
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        covariance = np.cov((middles - centroid).T, aweights=shape.face_areas)
+    if not np.isfinite(covariance).all():  # all area lies in one face
+        covariance = np.eye(3)
     sample = points[np.unique(np.linspace(0, len(points) - 1, min(SAMPLES, len(points))).astype(np.int64))]
     best: tuple[Plane, NDArray[np.float64]] | None = None
     for axis in (*np.eye(3), *np.linalg.eigh(covariance)[1].T):

@@ -1,25 +1,31 @@
-"""Clouds from files (scans, bare clouds, meshes, which are sampled), and the points of them to match."""
+"""Clouds from files (scans, bare clouds, meshes), and the points of them to match."""
 
 import logging
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from datasets_gen import MESH_SUFFIXES, InputError, load_mesh
-from datasets_gen.checks import LARGEST
-from datasets_gen.meshes.files import check_rows, why_unreadable
-from datasets_gen.points.farthest import farthest_points
+from datasets_gen import InputError, Shape
+from datasets_gen.checks import LARGEST, scannable
+from datasets_gen.clouds.cleaning import lacking_normals, with_sound_normals, without_gaps
+from datasets_gen.clouds.file_formats import FILE_SUFFIXES, checked_file, read_points
+from datasets_gen.clouds.point_cloud import PointCloud, counted
+from datasets_gen.clouds.precision import rounding_of
+from datasets_gen.meshes.files import as_mesh
+from datasets_gen.meshes.geometry import vertex_normals
+from datasets_gen.points.farthest import FAR, farthest_points
 from datasets_gen.points.strays import stray_points, words
 
 if TYPE_CHECKING:
     from scanner_sim import Scan
 
-CLOUD_SUFFIXES = (".npz", *MESH_SUFFIXES, ".xyz")
+CLOUD_SUFFIXES = FILE_SUFFIXES
+On = Literal["vertices", "samples"]
+"""What of a mesh is matched."""
 
 _log = logging.getLogger(__name__)
 
@@ -31,7 +37,7 @@ class ThinnedCloud:
     Attributes
     ----------
     points : (n, 3) float64
-        As given and in that order; of a mesh, the samples drawn from it.
+        As given and in that order; of a mesh, its vertices or the samples drawn from it.
     scan : Scan
         The m points that are matched. Without ground truth, unless a scan was given: face ids are -1.
     kept : (m,) int64
@@ -39,8 +45,10 @@ class ThinnedCloud:
     nearest : (n,) int64
         For each of `points`, the nearest one that is matched.
     stray : (n,) bool
-        Few and far from all others: not matched. The nearest matched point answers for them, without
-        confidence.
+        Few and far from all others, or vertices of no face: not matched. The nearest matched point answers
+        for them, without confidence.
+    what : str
+        What the points are: ``"points"``, or ``"vertices"`` or ``"samples"`` of a mesh.
     """
 
     points: NDArray[np.float64]
@@ -48,24 +56,35 @@ class ThinnedCloud:
     kept: NDArray[np.int64]
     nearest: NDArray[np.int64]
     stray: NDArray[np.bool_]
+    what: str = "points"
 
     @classmethod
-    def of(cls, scan: "Scan", points: int, seed: int = 0, name: str = "the cloud") -> "ThinnedCloud":
+    def of(
+        cls,
+        scan: "Scan",
+        points: int,
+        seed: int = 0,
+        name: str = "the cloud",
+        unused: NDArray[np.bool_] | None = None,
+        what: str = "points",
+    ) -> "ThinnedCloud":
         """Pick at most `points` points by farthest-point sampling, none of them stray.
 
-        The seed picks the first; `name` is for the message.
+        The seed picks the first; `name` is for the message. `unused` points, of no surface, count as stray.
         """
-        stray = stray_points(scan.points)
+        away = np.zeros(len(scan), dtype=bool) if unused is None else unused.copy()
+        stray = stray_points(scan.points[~away])
         if stray.any():
             _log.warning("%s: %s", name, f"{words(stray)}; not matched, the nearest matched point answers")
-        body = np.flatnonzero(~stray)
+        away[np.flatnonzero(~away)[stray]] = True
+        body = np.flatnonzero(~away)
         if len(body) <= points:
             kept = body
         else:
             start = int(np.random.default_rng(seed).integers(len(body)))
             kept = body[farthest_points(scan.points[body], points, start)]
         nearest = cKDTree(scan.points[kept]).query(scan.points)[1]
-        return cls(scan.points, scan.select(kept), kept, nearest, stray)
+        return cls(scan.points, scan.select(kept), kept, nearest, away, what)
 
     @classmethod
     def whole(cls, scan: "Scan") -> "ThinnedCloud":
@@ -74,60 +93,126 @@ class ThinnedCloud:
         return cls(scan.points, scan, every, every, np.zeros(len(scan), dtype=bool))
 
 
-def read_thinned(path: Path, points: int, seed: int = 0, repair: bool = False) -> ThinnedCloud:
-    """Read a cloud and thin it out; see `read_cloud` and `ThinnedCloud.of`."""
-    return ThinnedCloud.of(read_cloud(path, points, seed, repair), points, seed, repr(str(path)))
-
-
-def read_cloud(path: Path, points: int, seed: int = 0, repair: bool = False) -> "Scan":
-    """Read a cloud, with estimated normals where the file has none.
+def read_thinned(
+    path: Path,
+    points: int,
+    seed: int = 0,
+    repair: bool = False,
+    on: On = "samples",
+    columns: str | None = None,
+) -> ThinnedCloud:
+    """Read a cloud and thin it out; see `read_cloud` and `ThinnedCloud.of`.
 
     Parameters
     ----------
-    path
-        ``.npz`` (a scan or a shape), ``.ply``, ``.obj``, ``.off`` (a cloud or a mesh) or ``.xyz`` (columns
-        x y z or x y z nx ny nz).
-    points
-        Number of samples to draw from a mesh.
-    seed
-        Of the samples of a mesh.
-    repair
-        Of a mesh, see `datasets_gen.load_mesh`.
+    path, points, seed, repair, columns
+        As of `read_cloud`.
+    on
+        What of a mesh is matched: its vertices, all of which are in the result, or samples of its surface.
 
     Raises
     ------
     InputError
         If the file cannot be used.
     """
+    name = repr(str(path))
+    content = read_content(path, columns)
+    if isinstance(content, Shape) and on == "vertices":
+        if repair:
+            raise InputError(f"{name}: repair=True drops vertices, --on vertices keeps them all; choose one")
+        scan, unused = vertices_of(scannable(content), name)
+        return ThinnedCloud.of(scan, points, seed, name, unused, "vertices")
+    what = "samples" if isinstance(content, Shape) else "points"
+    return ThinnedCloud.of(as_scan(content, path, points, seed, repair), points, seed, name, what=what)
+
+
+def read_cloud(
+    path: Path, points: int, seed: int = 0, repair: bool = False, columns: str | None = None
+) -> "Scan":
+    """Read a cloud, with estimated normals where the file has none.
+
+    A mesh may have any number of pieces and open boundaries: all of it is sampled, by area.
+
+    Parameters
+    ----------
+    path
+        ``.npz`` (a scan, a shape or plain arrays) or any other of `CLOUD_SUFFIXES`.
+    points
+        Number of samples to draw from a mesh.
+    seed
+        Of the samples of a mesh.
+    repair
+        Of a mesh, go on with its largest component.
+    columns
+        Names of the columns of a text, see `datasets_gen.clouds.file_formats.read_points`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used.
+    """
+    return as_scan(read_content(path, columns), path, points, seed, repair)
+
+
+def read_content(path: Path, columns: str | None = None) -> "Scan | Shape | PointCloud":
+    """What a file holds, as it is; its remarks go to the log."""
+    from scanner_sim import Scan
+
+    file = checked_file(path, CLOUD_SUFFIXES)
+    kind = file_kind(file) if file.suffix.lower() == ".npz" else ""
+    if kind in ("Matching", "Correspondence", "Diffusion", "Collection"):
+        raise InputError(f"{str(path)!r} holds a {kind}, no cloud; give a scan, a cloud or a mesh")
+    if kind:
+        return Shape.load(file) if kind == "Shape" else Scan.load(file)
+    found = read_points(file, columns)
+    if not found.is_mesh:
+        found = without_gaps(found, repr(str(path)))
+    for remark in found.remarks:
+        _log.warning("%s: %s", file.name, remark)
+    return as_mesh(found, file) if found.is_mesh else found
+
+
+def as_scan(
+    content: "Scan | Shape | PointCloud", path: Path, points: int, seed: int = 0, repair: bool = False
+) -> "Scan":
+    """What a file holds as a cloud with normals; a mesh is sampled."""
     from scanner_sim import sample
 
-    if path.suffix.lower() not in CLOUD_SUFFIXES:
-        raise InputError(
-            f"{str(path)!r} is no cloud or mesh this project reads; it reads {', '.join(CLOUD_SUFFIXES)}"
-        )
-    if not path.is_file():
-        raise InputError(f"{str(path)!r} {'is a folder' if path.is_dir() else 'does not exist'}; give a file")
-    scan = _scan(path)
-    if scan is None:
-        scan = sample(load_mesh(path, repair=repair), points, seed)
+    if isinstance(content, Shape):
+        scan = sample(scannable(content, repair), points, seed)
+    elif isinstance(content, PointCloud):
+        scan = bare_scan(content.points, content.normals, path.stem)
+    else:
+        scan = content
     check_finite(scan, repr(str(path)))
     return with_normals(scan, repr(str(path)))
 
 
-def _scan(path: Path) -> "Scan | None":
-    """The cloud in a file; None for a mesh."""
-    from scanner_sim import Scan
+def vertices_of(shape: Shape, name: str) -> tuple["Scan", NDArray[np.bool_]]:
+    """The vertices of a mesh as a cloud, with normals by the areas of their faces, and which have no face.
 
-    suffix = path.suffix.lower()
-    if suffix == ".npz":
-        kind = file_kind(path)
-        if kind in ("Matching", "Correspondence", "Diffusion", "Collection"):
-            raise InputError(f"{str(path)!r} holds a {kind}, no cloud; give a scan, a cloud or a mesh")
-        return None if kind == "Shape" else Scan.load(path)
-    if suffix == ".xyz":
-        return bare_scan(*_columns(path), name=path.stem)
-    points, normals, faces = _read(path)
-    return None if faces else bare_scan(points, normals, name=path.stem)
+    Those without a face keep their place in the order, with the normal of the nearest other vertex.
+    """
+    used = shape.on_surface
+    lost = ~np.isfinite(shape.vertices).all(axis=1)
+    if lost.any():
+        raise InputError(
+            f"{name} has {counted(int(lost.sum()), 'vertex', 'vertices')} of no face that are NaN or "
+            "infinite; remove them, or match on samples (--on samples)"
+        )
+    normals = vertex_normals(shape.vertices, shape.faces, "area")
+    body = with_normals(bare_scan(shape.vertices[used], normals[used], shape.name), name)
+    normals[used] = body.normals
+    if not used.all():
+        normals[~used] = body.normals[cKDTree(body.points).query(shape.vertices[~used])[1]]
+        _log.warning(
+            "%s: %s of no face with area: not matched, the nearest matched one answers",
+            name,
+            counted(int((~used).sum()), "vertex", "vertices"),
+        )
+    scan = bare_scan(shape.vertices, normals, shape.name)
+    check_finite(scan, name)
+    return scan, ~used
 
 
 def bare_scan(points: NDArray[Any], normals: NDArray[Any] | None, name: str) -> "Scan":
@@ -152,21 +237,42 @@ def bare_scan(points: NDArray[Any], normals: NDArray[Any] | None, name: str) -> 
 
 
 def with_normals(scan: "Scan", name: str, warn: bool = True) -> "Scan":
-    """The scan, with estimated normals where it has none; `name` is for the warning."""
-    from medial.outward import estimate_normals
-    from medial.validation import check_directions, without_direction
+    """The scan, with estimated normals where it has none; `name` is for messages.
 
-    bad = without_direction(scan.normals)
-    if not bad.all():
-        check_directions(scan.normals, name)
-        return scan
-    if warn:
-        _log.warning("%s has no normals: estimated; give them where the scanner knows them", name)
-    if len(scan.poses) and (scan.view_ids >= 0).all():  # then the scanner knows the side
+    A few that are zero or NaN are estimated from those around them; of many, all
+    (`datasets_gen.clouds.cleaning.with_sound_normals`).
+
+    Raises
+    ------
+    InputError
+        If normals have to be estimated, and single precision has left too little of the coordinates.
+    """
+    sound = with_sound_normals(PointCloud(scan.points, scan.normals))
+    rounding, seen = rounding_of(scan.points), len(scan.poses) > 0 and bool((scan.view_ids >= 0).all())
+    if sound.normals is None and rounding.hopeless and not seen:
+        raise InputError(f"{name} has no normals, and none can be estimated: {rounding.words()}")
+    said = [f"{name}: {line}" for line in (*sound.remarks, rounding.words()) if line]
+    if lacking_normals(scan.normals).all():
+        said.append(f"{name} has no normals: estimated; give them where the scanner knows them")
+    for line in said if warn else []:
+        _log.warning("%s", line)
+    if sound.normals is not None:
+        return scan if sound.normals is scan.normals else replace(scan, normals=sound.normals)
+    if seen:  # then the scanner knows the side
         from scanner_sim.scanner import estimated_normals
 
         return replace(scan, normals=estimated_normals(scan, "mst"))
-    return replace(scan, normals=estimate_normals(scan.points))
+    from medial.outward import estimate_normals
+
+    return replace(scan, normals=estimate_normals(centred(scan.points)))
+
+
+def centred(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points about their median if they lie far from the origin, over their extent; else as they are."""
+    middle = np.median(points, axis=0)
+    away = points - middle
+    far = np.abs(middle).max() > FAR * np.quantile(np.abs(away), 0.9)
+    return np.asarray(away) if far else points
 
 
 def check_finite(scan: "Scan", name: str) -> None:
@@ -190,85 +296,3 @@ def file_kind(path: Path) -> str:
             return str(data["kind"])
     except Exception:
         return ""
-
-
-def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Points and normals of a text file; commas count as spaces, lines that begin with # are left out."""
-    lines = [
-        (number, re.split(r"[\s,;]+", line.strip(" \t,;")))
-        for number, line in enumerate(_text(path).splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    columns = len(lines[0][1]) if lines else 3
-    if columns not in (3, 6):
-        raise InputError(
-            f"{str(path)!r}, line {lines[0][0]}, has {columns} columns; give x y z, or x y z nx ny nz"
-        )
-    for number, words_of_line in lines:
-        if len(words_of_line) != columns:
-            raise InputError(
-                f"{str(path)!r}, line {number}, has {len(words_of_line)} columns, the first line {columns}; "
-                "give as many in each"
-            )
-    table = np.array([_numbers(row, path, number) for number, row in lines]).reshape(-1, columns)
-    return table[:, :3], table[:, 3:] if table.shape[1] == 6 else None
-
-
-def _text(path: Path) -> str:
-    """The text of a file."""
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        line = path.read_bytes()[: error.start].count(b"\n") + 1
-        raise InputError(
-            f"{str(path)!r}, line {line}, is no text (byte {error.start}); give x y z [nx ny nz]"
-        ) from error
-
-
-def _numbers(row: list[str], path: Path, line: int) -> list[float]:
-    """Words of a line as finite numbers."""
-    try:
-        numbers = [float(word) for word in row]
-    except ValueError as error:
-        raise InputError(f"{str(path)!r}, line {line}, is no row of numbers ({error})") from error
-    if not np.isfinite(numbers).all():
-        raise InputError(f"{str(path)!r}, line {line}, has a number that is NaN or infinite; remove the line")
-    return numbers
-
-
-def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None, bool]:
-    """Points and normals of a ``.ply``, ``.obj`` or ``.off`` file, and whether it has faces."""
-    import trimesh
-
-    try:
-        found: Any = trimesh.load(path, process=False, skip_materials=True)
-        points = np.array(found.vertices, dtype=np.float64)
-        normals = None if len(getattr(found, "faces", ())) else _file_normals(path, found, len(points))
-        for array in (points, points if normals is None else normals):
-            if array.shape != (len(points), 3):
-                raise ValueError(f"{len(points)} points with an array of shape {array.shape}")
-    except Exception as error:  # parsers raise anything from IndexError to struct.error on a broken file
-        why = why_unreadable(path, error)
-        raise InputError(f"{str(path)!r} cannot be read ({why}); export it again") from error
-    check_rows(path, points)
-    return points, normals, len(getattr(found, "faces", ())) > 0
-
-
-def _file_normals(path: Path, found: Any, n: int) -> NDArray[np.float64] | None:
-    """Normals of a cloud, which trimesh leaves in the raw data; None if there are none."""
-    if path.suffix.lower() == ".obj":
-        lines = [
-            _numbers((line.split() + 3 * ["nothing"])[1:4], path, number)
-            for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1)
-            if line.startswith("vn ")
-        ]
-        if lines and len(lines) != n:
-            _log.warning("%r has %d normals for %d points: not used", str(path), len(lines), n)
-        return np.array(lines) if len(lines) == n else None
-    raw = found.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
-    try:
-        return np.column_stack([np.ravel(raw[name]) for name in ("nx", "ny", "nz")]).astype(np.float64)
-    except (TypeError, KeyError, ValueError, IndexError):
-        return None

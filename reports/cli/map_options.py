@@ -11,11 +11,12 @@ from reports.cli.set_options import value_of
 
 if TYPE_CHECKING:
     from medial import Diffusion, Matching
-    from reports.cli.cloud_files import ThinnedCloud
+    from reports.cli.cloud_files import On, ThinnedCloud
     from reports.cli.setting_list import Setting
 
 POINTS = 8000
 MODES = 300
+SIDES = ("source", "target")
 
 
 def map_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -34,6 +35,17 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
             help="Also write a page that shows the map in 3D: turn it, tap a point to see its match.",
         ),
         click.option("--repair", is_flag=True, help="Of a mesh, go on with the largest component."),
+        click.option(
+            "--on",
+            type=click.Choice(["vertices", "samples"]),
+            help="What of a mesh is matched: each vertex of the file, or samples of its surface.  [default: "
+            "vertices for maps in .txt, .csv, .map, .vts and .mat, samples for .npz]",
+        ),
+        click.option(
+            "--columns",
+            metavar='"x y z nx ny nz"',
+            help="Names of the columns of a text; - for one to leave out.  [default: told by the file]",
+        ),
         click.option("--seed", default=0, show_default=True, help="Of samples and restarts."),
         click.option(
             "--modes",
@@ -66,6 +78,19 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
     ):
         command = option(command)
     return command
+
+
+def matched_on(on: "On | None", out: Path, repair: bool) -> "On":
+    """What of a mesh is matched: a map that holds bare indices is for the vertices of the user's file."""
+    return on or ("samples" if repair or out.suffix.lower() == ".npz" else "vertices")
+
+
+def said_of_kinds(clouds: tuple["ThinnedCloud", "ThinnedCloud"]) -> str:
+    """Whose indices a map holds, where meshes were matched: ``; source: samples, target: 3,200 vertices``."""
+    if all(cloud.what == "points" for cloud in clouds):
+        return ""
+    said = (f"{side}: {len(c.points):,} {c.what}" for side, c in zip(SIDES, clouds, strict=True))
+    return f"; {', '.join(said)}"
 
 
 def matcher_settings() -> list["Setting"]:
@@ -106,7 +131,8 @@ def write_map(
     """Carry a map from the matched points to all points of the files, and save it in the format of `out`."""
     source, target = clouds
     whole = found.extended(source.nearest, source.kept, target.kept, source.stray)
-    whole = replace(whole, source_points=source.points, target_points=target.points, about=about)
+    kinds = {side: c.what for side, c in zip(SIDES, clouds, strict=True) if c.what != "points"}
+    whole = replace(whole, source_points=source.points, target_points=target.points, about=about | kinds)
     if out.suffix.lower() == ".npz":
         whole.save(out)
     else:

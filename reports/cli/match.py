@@ -12,8 +12,10 @@ from reports.cli.map_options import (
     check_map_outputs,
     draw_map,
     map_options,
+    matched_on,
     matcher_settings,
     operator_of,
+    said_of_kinds,
     show_map,
     summary,
     write_map,
@@ -80,6 +82,8 @@ def match(
     departures: Any,
     seed: int,
     repair: bool,
+    on: Any,
+    columns: str | None,
     picture: Path | None,
     view: Path | None,
     method: str,
@@ -89,21 +93,24 @@ def match(
 ) -> None:
     """Match two clouds: for every point of SOURCE, a point of TARGET.
 
-    Both are .npz scans; .ply, .obj, .off or .xyz clouds (normals are estimated where there are none); or
-    meshes, which are sampled. The map holds source_to_target (for each of source_points an index into
-    target_points), confidence in [0, 1] and landmarks (pairs of such indices); an -o that ends in .txt, .csv,
-    .map, .vts or .mat holds the indices in that format. Where the clouds leave open which map is right, as
-    front for back, the probability of the chosen one and of each other is said.
+    Both are scans, clouds or meshes of any program of the field: .npz, .ply, .obj, .off, .stl, .glb, .xyz,
+    .txt, .pts, .csv, .pcd, .npy or .las; medialbench inspect shows what is in one. Missing normals are
+    estimated. Meshes may be open and in pieces. The map holds source_to_target (for each of source_points an
+    index into target_points), confidence in [0, 1] and landmarks (pairs of such indices); an -o that ends in
+    .txt, .csv, .map, .vts or .mat holds the indices in that format, one for each vertex of a mesh. Where the
+    clouds leave open which map is right, as front for back, the probability of the chosen one and of each
+    other is said.
     """
     from reports.cli.output_paths import default_output
 
     out = out or default_output((source, target), "map")
     check_map_outputs(out, picture, view, (source, target))
+    kind = matched_on(on, out, repair)
     with steps(quiet, STEPS) as step:
         next(step)
         from reports.cli.cloud_files import read_thinned
 
-        here, there = (read_thinned(path, points, seed, repair) for path in (source, target))
+        here, there = (read_thinned(path, points, seed, repair, kind, columns) for path in (source, target))
         next(step)
         from evaluation.methods.base import MethodInput
         from evaluation.methods.catalogue import create, missing
@@ -134,6 +141,6 @@ def match(
         if alternatives:
             written = write_alternatives(out, picture, (here, there), (source, target), found, about)
     check = "; mirror check undecided" if found.mirror_check == "undecided" else ""
-    say(quiet, f"{summary(whole, len(found))}{check}; written to {out}")
+    say(quiet, f"{summary(whole, len(found))}{check}{said_of_kinds((here, there))}; written to {out}")
     for line in said_of_alternatives(found, written, picture is not None and bool(written)):
         say(quiet, line)

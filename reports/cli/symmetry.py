@@ -11,8 +11,10 @@ from reports.cli.map_options import (
     check_map_outputs,
     draw_map,
     map_options,
+    matched_on,
     matcher_settings,
     operator_of,
+    said_of_kinds,
     show_map,
     summary,
     write_map,
@@ -54,6 +56,8 @@ def symmetry(
     departures: Any,
     seed: int,
     repair: bool,
+    on: Any,
+    columns: str | None,
     picture: Path | None,
     view: Path | None,
     settings: tuple[str, ...],
@@ -67,11 +71,12 @@ def symmetry(
 
     out = out or default_output((cloud,), "symmetry")
     check_map_outputs(out, picture, view, (cloud,))
+    kind = matched_on(on, out, repair)
     with steps(quiet, STEPS) as step:
         next(step)
         from reports.cli.cloud_files import read_thinned
 
-        whole = read_thinned(cloud, points, seed, repair)
+        whole = read_thinned(cloud, points, seed, repair, kind, columns)
         next(step)
         from evaluation.methods.spectral import Medial
         from medial import intrinsic_symmetry
@@ -89,4 +94,4 @@ def symmetry(
             draw_map(picture, clouds, names, found)
         if view is not None:
             show_map(view, clouds, names, found, (operator, operator))
-    say(quiet, f"{summary(extended, len(found))}; written to {out}")
+    say(quiet, f"{summary(extended, len(found))}{said_of_kinds(clouds)}; written to {out}")

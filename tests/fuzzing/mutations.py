@@ -18,6 +18,8 @@ WORDS = (
 HEADER = 400
 """Bytes at the start in which counts are looked for."""
 LONGEST = 1 << 20
+LAS_HEADER = 375
+"""Bytes of the header of LAS 1.4."""
 
 
 def mutated(rng: Random, data: bytes, tokens: Sequence[bytes] = ()) -> bytes:
@@ -33,6 +35,17 @@ def mutated(rng: Random, data: bytes, tokens: Sequence[bytes] = ()) -> bytes:
     for _ in range(rng.choice((1, 1, 1, 2, 3, 4))):
         data = rng.choice(CHANGES)(rng, data, tokens)[:LONGEST]
     return data
+
+
+def mutated_header(rng: Random, data: bytes, tokens: Sequence[bytes] = ()) -> bytes:
+    """The data with a changed header of as many bytes, or cut.
+
+    For packed points of surveying: lazrs takes what memory the packed bytes ask for, and ends the process
+    where there is none.
+    """
+    if rng.random() < 0.2:
+        return _cut(rng, data, tokens)
+    return mutated(rng, data[:LAS_HEADER], tokens)[:LAS_HEADER].ljust(LAS_HEADER, b"\0") + data[LAS_HEADER:]
 
 
 def _flip(rng, data, _tokens):

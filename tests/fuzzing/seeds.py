@@ -1,5 +1,6 @@
 """Small sound files of every kind that the project reads, made by its own writers where it has them."""
 
+import base64
 import io
 import json
 import tempfile
@@ -115,6 +116,34 @@ end_header
 1 1 1 0 0 1 1 1 7
 """
 
+STRIPS_PLY = b"""\
+ply
+format ascii 1.0
+element vertex 5
+property float x
+property float y
+property float z
+element tristrips 1
+property list int int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+1 1 0
+1 1 1
+8 0 1 2 3 -1 2 3 4
+"""
+
+NOFF = b"NOFF # by hand\n5 0 0\n" + b"".join(b"%d 0 .5 0 0 1\n" % i for i in range(5))
+
+_ROWS = [f"{i % 3}.5 {i // 3} 0.25" for i in range(9)]
+TEXTS = {
+    "txt": "\n".join(["x y z nx ny nz", *(f"{row} 0 0 1" for row in _ROWS)]).encode(),
+    "pts": "\n".join(["9", *(f"{row} 7 255 0 3" for row in _ROWS)]).encode(),
+    "csv": "\n".join(row.replace(" ", ";").replace(".", ",") for row in _ROWS).encode(),
+    "asc": "\n".join(f"{row} 9 200 3 0 0.6 0.8" for row in _ROWS).encode(),
+}
+
 XYZ = b"# x y z nx ny nz\n" + b"".join(b"%d,%d 0.5 0 0 1\n" % (i % 3, i // 3) for i in range(9))
 
 
@@ -139,12 +168,12 @@ def written(save: Callable[[Path], Any], suffix: str) -> bytes:
         return path.read_bytes()
 
 
-def mesh_file(suffix: str, **options: Any) -> bytes:
-    """The ball in a format."""
-    if not options:
+def mesh_file(suffix: str, of: str = "", **options: Any) -> bytes:
+    """The ball in a format, which `of` names where there are several of one suffix."""
+    if not options and not of:
         return written(lambda path: write_mesh(shape(), path), suffix)
     mesh = trimesh.Trimesh(shape().vertices, shape().faces, process=False)
-    content = mesh.export(file_type=suffix[1:], **options)
+    content = mesh.export(file_type=of or suffix[1:], **options)
     return content if isinstance(content, bytes) else content.encode()
 
 
@@ -168,6 +197,51 @@ def matching() -> Matching:
     n = len(cloud())
     return Matching(np.arange(n), np.array([[0, 0], [5, 5]]), 0.1, np.ones(n), {"first": np.array([0])},
                     source_points=cloud().points, target_points=cloud().points)  # fmt: skip
+
+
+def gltf() -> bytes:
+    """A triangle with its buffer in the text."""
+    data = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes() + np.arange(3, dtype="<u2").tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    tree = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "scale": [1, 2, 1]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 36, "byteLength": 6},
+        ],
+        "buffers": [{"byteLength": 42, "uri": uri}],
+    }
+    return json.dumps(tree).encode()
+
+
+def pcd(storage: str) -> bytes:
+    """The cloud as a PCD file in one of its forms, packed without any copies."""
+    table = np.hstack([cloud().points, cloud().normals]).astype("<f4")
+    head = "VERSION 0.7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\n"
+    head += f"COUNT 1 1 1 1 1 1\nWIDTH {len(table)}\nHEIGHT 1\nPOINTS {len(table)}\nDATA {storage}\n"
+    if storage == "ascii":
+        return head.encode() + "\n".join(" ".join(map(str, row)) for row in table.tolist()).encode()
+    if storage == "binary":
+        return head.encode() + table.tobytes()
+    data = table.T.tobytes()
+    packed = b"".join(
+        bytes([len(part) - 1]) + part for part in (data[k : k + 32] for k in range(0, len(data), 32))
+    )
+    sizes = np.array([len(packed), len(data)], "<u4").tobytes()
+    return head.encode() + sizes + packed
+
+
+def las(suffix: str) -> bytes:
+    """The cloud as the project exports it."""
+    return written(cloud().save, suffix)
 
 
 def npz(**arrays: Any) -> bytes:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -17,7 +18,7 @@ from medial import Diffusion, Matching
 from scanner_sim import Scan, ScannerConfig
 from tests.fuzzing import checks, readers, seeds
 from tests.fuzzing.arrays import mutated_npz, mutated_parquet
-from tests.fuzzing.mutations import mutated
+from tests.fuzzing.mutations import mutated, mutated_header
 
 Mutate = Callable[[Random, bytes, Sequence[bytes]], bytes]
 
@@ -105,6 +106,8 @@ PLY = (
     b"end_header\n",
     b"element edge 2\n",
 )
+TEXT = (b"x y z\n", b"x,y,z,r,g,b\n", b"9\n", b"1,5;2,5;3,5\n", b"// x y z\n", b";", b"\xb5", b"nan ")
+PCD = (b"DATA binary\n", b"DATA ascii\n", b"COUNT 9\n", b"SIZE 8\n", b"POINTS 99999999999\n", b"TYPE U\n")
 MESHES = {
     "ply-binary": (".ply", lambda: (seeds.mesh_file(".ply"),), PLY),
     "ply-ascii": (".ply", lambda: (seeds.mesh_file(".ply", encoding="ascii"),), PLY),
@@ -127,6 +130,14 @@ MESHES = {
         lambda: (seeds.mesh_file(".off"), b"COFF\n" + seeds.mesh_file(".off")[3:]),
         (b"COFF\n", b"NOFF\n", b"OFF BINARY\n", b"# no\n", b"4 0 1 2 3\n"),
     ),
+    "stl-binary": (".stl", lambda: (seeds.mesh_file(".stl", of="stl"),), (b"solid ", b"vertex ")),
+    "stl-text": (
+        ".stl",
+        lambda: (seeds.mesh_file(".stl", of="stl_ascii"),),
+        (b"endsolid\n", b"solid b\n", b"vertex 0 0\n", b"facet\n"),
+    ),
+    "glb": (".glb", lambda: (seeds.mesh_file(".glb", of="glb"),), (b'"uri":"../a.bin"', b'"skins":[]')),
+    "gltf": (".gltf", lambda: (seeds.gltf(),), (b'"uri":"/dev/zero"', b'"count":9999999', b'"children":[0]')),
 }
 CLOUDS = {
     "ply": (".ply", lambda: (seeds.CLOUD_PLY, seeds.mesh_file(".ply")), PLY, mutated),
@@ -138,7 +149,28 @@ CLOUDS = {
         mutated,
     ),
     "off": (".off", lambda: (seeds.mesh_file(".off"), b"OFF\n2 0 0\n0 0 1\n1 1 1\n"), (), mutated),
+    "ply-strips": (".ply", lambda: (seeds.STRIPS_PLY,), PLY, mutated),
+    "off-normals": (".off", lambda: (seeds.NOFF,), (b"STCNOFF 4 0 0\n", b"# no\n", b"4 1 0\n"), mutated),
     "xyz": (".xyz", lambda: (seeds.XYZ,), (b"#", b"\xef\xbb\xbf", b";", b"1e999", b"\0"), mutated),
+    **{
+        name: (f".{name}", lambda name=name: (seeds.TEXTS[name],), TEXT, mutated)
+        for name in ("txt", "pts", "csv", "asc")
+    },
+    "npy": (".npy", lambda: (seeds.npy(seeds.cloud().points), seeds.npy(np.ones((4, 6)))), (), mutated),
+    "npz-plain": (
+        ".npz",
+        lambda: (seeds.npz(points=seeds.cloud().points, normals=seeds.cloud().normals),),
+        (),
+        mutated_npz,
+    ),
+    "pcd-ascii": (".pcd", lambda: (seeds.pcd("ascii"),), PCD, mutated),
+    "pcd-binary": (".pcd", lambda: (seeds.pcd("binary"),), PCD, mutated),
+    "pcd-packed": (".pcd", lambda: (seeds.pcd("binary_compressed"),), PCD, mutated),
+    **{
+        name: (f".{name}", lambda name=name: (seeds.las(f".{name}"),), (), change)
+        for name, change in (("las", mutated), ("laz", mutated_header))
+        if find_spec("laspy") and find_spec("lazrs")
+    },
     "npz": (
         ".npz",
         lambda: (seeds.written(seeds.cloud().save, ".npz"), seeds.written(seeds.shape().save, ".npz")),

@@ -95,7 +95,7 @@ def test_saved_shape_is_loaded(tmp_path):
     assert found.name == MESH.name
 
 
-@pytest.mark.parametrize("name", ["mesh.stl", "mesh.txt", "mesh", "mesh.glb"])
+@pytest.mark.parametrize("name", ["mesh.3ds", "mesh.txt", "mesh"])
 def test_other_file_types_are_refused(tmp_path, name):
     (tmp_path / name).write_text("solid")
     with pytest.raises(InputError, match=r"\.ply, \.obj, \.off"):

@@ -86,3 +86,9 @@ def test_connectivity_is_followed_from_one_face():
     assert connectivity_mirror(faces, faces[0], np.array([0, 2, 1])).tolist() == [0, 2, 1, 3]
     longer = np.array([[0, 1, 2], [2, 1, 3], [2, 3, 4]])
     assert connectivity_mirror(longer, longer[0], np.array([3, 1, 2])) is None
+
+
+def test_a_single_face_has_axes_too():
+    """Its area has no covariance; a triangle with equal legs is symmetric across their bisector."""
+    found = mirror_map(shape([[0, 0, 0], [1, 0, 0], [0.5, 0, 1]], [[0, 1, 2]]))
+    assert found is None or np.array_equal(found[found], np.arange(3))

@@ -1,0 +1,76 @@
+"""Triangles of an STL file, ascii or binary. It repeats every corner: equal ones become one vertex."""
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from datasets_gen.clouds.point_cloud import PointCloud, counted
+
+FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER = 84
+"""Bytes before the facets of a binary file: a title and their number."""
+
+
+def read_stl(content: bytes) -> PointCloud:
+    """Read an STL file.
+
+    Raises
+    ------
+    ValueError
+        If it is cut short, or no STL file.
+    """
+    count = int.from_bytes(content[80:HEADER], "little") if len(content) >= HEADER else 0
+    end = HEADER + count * FACET.itemsize
+    text = content[:200].lstrip()[:5].lower() == b"solid" and b"vertex" in content[:4000]
+    if text and len(content) != end:
+        return _text(content)
+    if len(content) < HEADER:
+        raise ValueError(
+            f"{len(content)} bytes: no facets in text, and shorter than the header of a binary file"
+        )
+    if len(content) < end:
+        there = max(0, len(content) - HEADER) // FACET.itemsize
+        raise ValueError(f"{there} facets where {count} should be")
+    corners = np.frombuffer(content, FACET, count, HEADER)["corners"].astype(np.float64)
+    left = len(content) - end
+    remark = f"{counted(left, 'byte')} after the last facet are not used" if left else ""
+    return welded(corners.reshape(-1, 3), "STL repeats the corners of each face").remarked(remark)
+
+
+def _text(content: bytes) -> PointCloud:
+    """Facets in text; several solids are one mesh."""
+    rows = re.findall(rb"^[ \t]*vertex[ \t]+(.*)$", content, re.MULTILINE | re.IGNORECASE)
+    facets = len(re.findall(rb"^[ \t]*facet\b", content, re.MULTILINE | re.IGNORECASE))
+    words = [row.split() for row in rows]
+    wrong = next((k for k, row in enumerate(words) if len(row) < 3), None)
+    if wrong is not None:
+        raise ValueError(f"vertex {wrong + 1} has {len(words[wrong])} numbers where three are needed")
+    if len(rows) != 3 * facets:
+        raise ValueError(f"{len(rows)} corners for {facets} facets")
+    points = np.array([[float(word) for word in row[:3]] for row in words]).reshape(-1, 3)
+    if b"endsolid" not in content.lower():
+        raise ValueError("no line 'endsolid' at the end")
+    return welded(points, "STL repeats the corners of each face")
+
+
+def welded(corners: NDArray[np.float64], why: str, faces: NDArray[np.int64] | None = None) -> PointCloud:
+    """A mesh whose vertices are the distinct places of others, in the order in which they first occur.
+
+    Parameters
+    ----------
+    corners : (c, 3)
+    why
+        They repeat; for the remark.
+    faces : (f, 3), optional
+        Of the corners; three of them each by default.
+    """
+    faces = np.arange(len(corners)).reshape(-1, 3) if faces is None else faces
+    _, first, index = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    found = PointCloud(corners[first[order]], None, (), place[index.ravel()][faces].astype(np.int64))
+    if len(found) == len(corners):
+        return found
+    return found.remarked(f"{why}: {len(corners):,} welded to {counted(len(found), 'vertex', 'vertices')}")
