@@ -1,9 +1,10 @@
 """Shapes with ground truth: built-in bodies, generated bodies and folders of posed meshes.
 
-Read `shape` and `collection` first, then `registry`, which finds a collection by its name, then the
-folders: ``meshes`` (files, geometry, remeshing, mirror maps), ``bodies`` (the built-in ones),
-``collections`` (one file per source) and ``points`` (what every package needs of a bare cloud). `checks`
-refuses meshes that cannot be scanned. `records`, `cache`, `fingerprints` and `compiled` serve all packages.
+Read `shape` and `collection` first, then `registry`, which finds a collection by its name, then the folders:
+``clouds`` (files of any format), ``meshes`` (geometry, remeshing, mirror maps), ``bodies`` (the built-in
+ones), ``collections`` (one file per source) and ``points`` (what every package needs of a bare cloud).
+`checks` refuses meshes that cannot be scanned. `records`, `cache`, `fingerprints` and `compiled` serve all
+packages.
 
 Checks, messages and file formats may be extended. A change in ``bodies``, ``meshes.remeshing`` or
 ``points`` changes built-in shapes, scans or maps.

@@ -38,11 +38,15 @@ class Collection:
         By pose, of shapes with a mesh of their own (parts, other meshings): where they lie on the reference.
     remarks : tuple of str
         What loading found out and changed, each one line.
+    truth : bool
+        Whether places on the shapes are known to correspond. False for frames of a capture: each has a mesh
+        of its own and no placement, and the reference is but the first of them.
 
     Raises
     ------
     InputError
-        If a shape without a placement differs in its faces, or a placement does not fit its shape.
+        If there is truth, and a shape without a placement differs in its faces, or a placement does not fit
+        its shape.
     """
 
     subject: str
@@ -51,6 +55,7 @@ class Collection:
     mirror: NDArray[np.int64] | None = None
     placements: Mapping[str, MeshPlacement] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    truth: bool = True
 
     def __post_init__(self) -> None:
         """Check that connectivity is shared, or bridged by a placement."""
@@ -62,7 +67,7 @@ class Collection:
                         f"shape {shape.name!r} has {len(shape.vertices)} vertices, its ground truth "
                         f"{len(placement.face_ids)} entries; give one for each vertex"
                     )
-            elif not np.array_equal(shape.faces, self.reference.faces):
+            elif self.truth and not np.array_equal(shape.faces, self.reference.faces):
                 raise InputError(
                     f"shape {shape.name!r} has other faces than the reference {self.reference.name!r}; "
                     "poses of one subject must share connectivity"
@@ -113,7 +118,7 @@ class Collection:
         Raises
         ------
         InputError
-            If the shape is of another subject.
+            If the shape is of another subject, or there is no ground truth.
         """
         return self.reference.at(*self.on_reference(shape, face_ids, barycentrics))
 
@@ -139,8 +144,10 @@ class Collection:
         Raises
         ------
         InputError
-            If the shape is of another subject.
+            If the shape is of another subject, or there is no ground truth.
         """
+        if not self.truth:
+            raise InputError(no_truth(self.subject))
         if shape.subject != self.subject:
             raise InputError(f"shape {shape.name!r} is not of subject {self.subject!r}")
         placement = self.placements.get(shape.pose)
@@ -157,13 +164,14 @@ class Collection:
             If the file cannot be written.
         """
         stored = {shape.pose: shape for shape in (self.reference, *self.shapes)}
-        shared = [shape.vertices for pose, shape in stored.items() if pose not in self.placements]
+        own = [pose for pose in stored if self._has_own_mesh(pose)]
+        shared = [shape.vertices for pose, shape in stored.items() if pose not in own]
         arrays: dict[str, Any] = {"faces": self.reference.faces, "vertices": np.stack(shared)}
         for number, pose in enumerate(stored):
-            if pose in self.placements:
-                own = stored[pose].vertices, stored[pose].faces
-                place = self.placements[pose].face_ids, self.placements[pose].barycentrics
-                arrays |= {f"{name}_{number}": each for name, each in zip(_OWN, (*own, *place), strict=True)}
+            placement = self.placements.get(pose)
+            mesh = (stored[pose].vertices, stored[pose].faces) if pose in own else ()
+            place = () if placement is None else (placement.face_ids, placement.barycentrics)
+            arrays |= {f"{name}_{number}": each for name, each in zip(_OWN, (*mesh, *place), strict=False)}
         if self.mirror is not None:
             arrays["mirror"] = self.mirror
         meta = {
@@ -174,8 +182,13 @@ class Collection:
             "names": [shape.name for shape in stored.values()],
             "units": self.reference.units,
             "remarks": list(self.remarks),
+            "truth": self.truth,
         }
         save_record(path, _KIND, arrays, meta)
+
+    def _has_own_mesh(self, pose: str) -> bool:
+        """Whether a pose is stored with its faces; the reference has those of all others."""
+        return pose in self.placements or (not self.truth and pose != self.reference.pose)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Collection":
@@ -198,7 +211,16 @@ class Collection:
                     placements[pose] = MeshPlacement(*place)
             chosen = tuple(shapes[pose] for pose in meta["poses"])
             rest, mirror = shapes[meta["reference"]], arrays.get("mirror")
-            return cls(meta["subject"], chosen, rest, mirror, placements, tuple(meta.get("remarks", ())))
+            remarks, truth = tuple(meta.get("remarks", ())), meta.get("truth", True)
+            return cls(meta["subject"], chosen, rest, mirror, placements, remarks, truth)
+
+
+def no_truth(subject: str) -> str:
+    """Why a subject without ground truth cannot be scored, and what can be done with it."""
+    return (
+        f"{subject!r} has no ground truth, as its frames have meshes of their own: nothing can be scored; "
+        "match two of its files with `medialbench match A B --picture MAP.png`"
+    )
 
 
 def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
@@ -212,12 +234,16 @@ def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
         names = [f"{each}_{number}" for each in _OWN]
         if any(name in arrays for name in names):
             kinds = ("float w 3", "int g 3", "int w", "float w 3")
-            layout = dict(zip(names, kinds, strict=True))
-            own = check_layout(arrays, layout, finite=f"{names[0]} {names[3]}")["w"]
+            some = len(names) if any(name in arrays for name in names[2:]) else 2
+            layout = dict(zip(names[:some], kinds, strict=False))
+            own = check_layout(arrays, layout, finite=" ".join(names[:some:3]))["w"]
             check_ids(arrays[names[1]], own, names[1])
-            check_ids(arrays[names[2]], len(arrays["faces"]), names[2])
+            if some > 2:
+                check_ids(arrays[names[2]], len(arrays["faces"]), names[2])
     check_values(Shape, {"subject": meta["subject"], "units": meta["units"]})
     if not all(isinstance(remark, str) for remark in meta.get("remarks", ())):
         raise ValueError("remarks are no texts")
+    if not isinstance(meta.get("truth", True), bool):
+        raise ValueError("truth is neither true nor false")
     for pose, name in zip(meta["stored"], meta["names"], strict=True):
         check_values(Shape, {"pose": pose, "name": name})

@@ -9,7 +9,7 @@ import difflib
 import inspect
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,7 +20,8 @@ from datasets_gen.collections import animals, anny_files
 from datasets_gen.collections.animals import load_animal, outline_animal
 from datasets_gen.collections.anny import load_anny, outline_anny
 from datasets_gen.collections.folder import read_manifest
-from datasets_gen.collections.layouts import layout_of
+from datasets_gen.collections.layouts import is_data, layout_of
+from datasets_gen.collections.load_report import mesh_report
 from datasets_gen.records import InputError
 from datasets_gen.values import check_types
 
@@ -79,6 +80,9 @@ SOURCES: dict[str, Source] = {
         )
     },
 }
+
+RENAMED = {("anny", "people"): "subjects"}
+"""Options by name of the collection and old word."""
 
 HELD_OUT = tuple(name for name, recipe in BODIES.items() if recipe.held_out)
 """Families on which no constant of a matcher may be tuned; of others, seeds and poses (`held_out`)."""
@@ -144,6 +148,8 @@ def provenance(name: str, **options: Any) -> dict[str, Any]:
 def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     """Load the poses of one subject, or of several with the same connectivity.
 
+    What loading found of the meshes, and what it changed, is kept in `Collection.remarks`.
+
     Parameters
     ----------
     name
@@ -163,9 +169,9 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     """
     _check_name(name)
     if str(name) in SOURCES:
-        return _called(SOURCES[str(name)].load, str(name), options)
-    if str(name) and Path(name).is_dir():
-        return _called(layout_of(Path(name)).load, str(name), options)
+        return _reported(_called(SOURCES[str(name)].load, str(name), options))
+    if str(name) and is_data(Path(name)):
+        return _reported(_called(layout_of(Path(name)).load, str(name), options))
     raise _unknown(name)
 
 
@@ -180,7 +186,8 @@ def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``subject`` (str), ``poses`` (list of str, in order), ``reference`` (str).
+        ``subject`` (str), ``poses`` (list of str, in order), ``reference`` (str); where there is no ground
+        truth, ``truth``, which is False.
 
     Raises
     ------
@@ -190,12 +197,24 @@ def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
     _check_name(name)
     if str(name) in SOURCES:
         return _called(SOURCES[str(name)].outline, str(name), options)
-    if str(name) and Path(name).is_dir():
+    if str(name) and is_data(Path(name)):
         return _called(layout_of(Path(name)).outline, str(name), options)
     raise _unknown(name)
 
 
+def _reported(collection: Collection) -> Collection:
+    """The collection with a report of its reference, unless its loader has written one."""
+    if collection.remarks:
+        return collection
+    rest = collection.reference
+    return replace(collection, remarks=tuple(f"{rest.name}: {each}" for each in mesh_report(rest)))
+
+
 def _unknown(name: str | os.PathLike[str]) -> InputError:
+    if Path(name).is_file():
+        return InputError(
+            f"{str(name)!r} is a file, and no .glb or .gltf; give the folder with the meshes of all poses"
+        )
     close = difflib.get_close_matches(str(name), names(), n=1, cutoff=0.4)
     hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(names())}"
     return InputError(f"no dataset {str(name)!r}, and no folder of that name; {hint}")
@@ -211,6 +230,8 @@ def _check_name(name: Any) -> None:
 def _called(function: Callable[..., T], name: str, options: dict[str, Any]) -> T:
     known = list(inspect.signature(function).parameters)[1:]
     for option in options:
+        if (name, option) in RENAMED:
+            raise InputError(f"option {option!r} of {name!r} is called {RENAMED[name, option]!r} now")
         if option not in known:
             raise InputError(f"dataset {name!r} has no option {option!r}; it has {', '.join(known)}")
     checked = {key: value for key, value in options.items() if key not in ("seed", "poses", "subjects")}

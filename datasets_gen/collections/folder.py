@@ -16,6 +16,7 @@ import numpy as np
 from datasets_gen.checks import admitted
 from datasets_gen.collection import Collection
 from datasets_gen.collections.file_choice import natural, pose_list
+from datasets_gen.collections.load_report import poses_report
 from datasets_gen.meshes.files import MESH_SUFFIXES, read_mesh, write_mesh
 from datasets_gen.meshes.mirroring import mirror_map
 from datasets_gen.parsing import parsed_json
@@ -91,8 +92,10 @@ def load_folder(
         for pose in order
     ]
     check_shared(shapes, files)
-    by_pose = dict(zip(order, admitted(shapes, repair), strict=True))
-    return Collection(subject, tuple(by_pose[p] for p in wanted), by_pose[rest], mirror_map(by_pose[rest]))
+    sound = admitted(shapes, repair)
+    by_pose, remarks = dict(zip(order, sound, strict=True)), poses_report(shapes, sound)
+    chosen, first = tuple(by_pose[p] for p in wanted), by_pose[rest]
+    return Collection(subject, chosen, first, mirror_map(first), remarks=remarks)
 
 
 def outline_folder(
@@ -157,7 +160,8 @@ def write_collection(
     InputError
         If the folder cannot be written, or holds the poses of something else, or a pose has its own mesh.
     """
-    for pose in collection.placements:
+    if collection.placements or not collection.truth:
+        pose = next(iter(collection.placements), collection.poses[-1])
         raise InputError(
             f"pose {pose!r} of {collection.subject!r} has a mesh of its own, which a folder of poses that "
             "share their faces cannot hold; keep the files it was loaded from, or use Collection.save"

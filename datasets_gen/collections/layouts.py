@@ -1,4 +1,4 @@
-"""Folders of meshes: data sets of the field recognised by what is in them, a plain folder of poses last."""
+"""Data on disk: data sets of the field recognised by what is in a folder, a plain folder of poses last."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,8 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen.collection import Collection
-from datasets_gen.collections import fragments, remeshed, shared_faces, shrec_partial, tosca
+from datasets_gen.collections import (
+    fragments,
+    frame_sequence,
+    gltf,
+    remeshed,
+    shared_faces,
+    shrec_partial,
+    tosca,
+)
 from datasets_gen.collections.folder import load_folder, outline_folder, read_manifest
+from datasets_gen.collections.gltf_buffers import GLTF_SUFFIXES
 
 
 @dataclass(frozen=True)
@@ -20,9 +29,9 @@ class Layout:
     about : str
         One line for people: what is in the folder.
     recognises : callable
-        Whether a folder (Path) is one.
+        Whether a folder, or for glTF a file (Path), is one.
     load, outline : callable
-        Of ``(folder, *, options)``, as those of `datasets_gen.registry.Source`.
+        Of ``(path, *, options)``, as those of `datasets_gen.registry.Source`.
     origin : str
         Where it comes from.
     terms : str
@@ -48,13 +57,13 @@ LAYOUTS = (
         shrec_partial.recognises,
         shrec_partial.load,
         shrec_partial.outline,
-        "https://www.dais.unive.it/~shrec2016",
-        "for research; the shapes are made of TOSCA",
+        "https://www.dais.unive.it/~shrec2016/dataset.php",
+        "made of TOSCA's shapes; see its page",
         ("null", "cuts", "holes"),
     ),
     Layout(
         "remeshed sets",
-        "SCAPE_r, FAUST_r, TOSCA_r: off/ + corres/*.vts; option subject",
+        "SCAPE_r, FAUST_r, TOSCA_r: meshes (in off/ or not) + corres/*.vts; option subject",
         remeshed.recognises,
         remeshed.load,
         remeshed.outline,
@@ -79,7 +88,7 @@ LAYOUTS = (
         shared_faces.load_faust,
         shared_faces.outline_faust,
         "https://faust-leaderboard.is.tuebingen.mpg.de",
-        "registration; research only",
+        "with an account there; its licence forbids commercial use",
         ("training/registrations", "registrations"),
     ),
     Layout(
@@ -89,7 +98,7 @@ LAYOUTS = (
         shared_faces.load_scape,
         shared_faces.outline_scape,
         "https://ai.stanford.edu/~drago/Projects/scape/scape.html",
-        "from its authors on request; research only",
+        "see its page",
     ),
     Layout(
         "TOSCA",
@@ -97,11 +106,31 @@ LAYOUTS = (
         tosca.recognises,
         tosca.load,
         tosca.outline,
-        "http://tosca.cs.technion.ac.il",
-        "research, as its page says",
+        "http://tosca.cs.technion.ac.il/book/resources_data.html",
+        "see its page",
+    ),
+    Layout(
+        "frames of a capture",
+        "frame_000.obj, frame_001.obj, ..., each with its own faces: no ground truth, for match alone",
+        frame_sequence.recognises,
+        frame_sequence.load,
+        frame_sequence.outline,
+        "https://people.csail.mit.edu/drdaniel/mesh_animation and others",
+        "see the page of the capture",
     ),
 )
 """In the order in which they are tried. Nothing is downloaded."""
+
+GLTF = Layout(
+    "glTF",
+    "character.glb or .gltf with a skin and animations; options animations, frames",
+    lambda path: path.suffix.lower() in GLTF_SUFFIXES,
+    gltf.load,
+    gltf.outline,
+    "a character exported by a modelling program",
+    "as its author says",
+)
+"""The one layout that is a file."""
 
 POSES = Layout(
     "folder of poses",
@@ -112,14 +141,23 @@ POSES = Layout(
 )
 
 
-def layout_of(folder: Path) -> Layout:
-    """The first layout that recognises a folder; `POSES` if it has our manifest, or none does."""
-    if read_manifest(folder):
+def is_data(path: Path) -> bool:
+    """Whether there is something at a path that a layout may load: a folder, or a glTF file."""
+    return path.is_dir() or (path.is_file() and GLTF.recognises(path))
+
+
+def layout_of(path: Path) -> Layout:
+    """The first layout that fits a folder, `POSES` if none does or it has our manifest; `GLTF` for a file."""
+    if not path.is_dir():
+        return GLTF
+    if read_manifest(path):
         return POSES
-    return next((layout for layout in LAYOUTS if layout.recognises(folder)), POSES)
+    return next((layout for layout in LAYOUTS if layout.recognises(path)), POSES)
 
 
-def files_read(folder: Path) -> list[Path]:
-    """All files that decide what is loaded from a folder: its own, and those in the folders of its layout."""
-    places = [folder, *(folder / each for each in layout_of(folder).subfolders)]
-    return [path for place in places if place.is_dir() for path in place.iterdir() if path.is_file()]
+def files_read(path: Path) -> list[Path]:
+    """All files that decide what is loaded from a path: in a folder, and in the folders of its layout."""
+    if not path.is_dir():
+        return gltf.files_of_gltf(path)
+    places = [path, *(path / each for each in layout_of(path).subfolders)]
+    return [file for place in places if place.is_dir() for file in place.iterdir() if file.is_file()]

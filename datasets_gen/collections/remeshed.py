@@ -1,6 +1,7 @@
-"""Remeshed sets (SCAPE_r, FAUST_r, TOSCA_r): ``off/`` and ``corres/*.vts``, each shape with its own mesh.
+"""Remeshed sets (SCAPE_r, FAUST_r, TOSCA_r): meshes and ``corres/*.vts``, each shape with its own mesh.
 
-Row i of ``corres/x.vts`` is the vertex of ``off/x.off``, from 1, at point i of a template that all shapes of
+The meshes are in ``off/``, or beside ``corres/`` as in the sets' own repository. Row i of ``corres/x.vts`` is
+the vertex of ``x.off``, from 1, at point i of a template that all shapes of
 a subject have in common; ``x.sym.vts`` is the same for the mirror images of the template's points.
 """
 
@@ -27,7 +28,15 @@ MESHES, MAPS = "off", "corres"
 
 def recognises(folder: Path) -> bool:
     """Whether there are meshes and correspondences."""
-    return (folder / MESHES).is_dir() and (folder / MAPS).is_dir()
+    if not (folder / MAPS).is_dir():
+        return False
+    beside = any(file.suffix.lower() in MESH_SUFFIXES for file in folder.iterdir())
+    return (folder / MESHES).is_dir() or (beside and any((folder / MAPS).glob("*.vts")))
+
+
+def _meshes(folder: Path) -> Path:
+    """Where the meshes are."""
+    return folder / MESHES if (folder / MESHES).is_dir() else folder
 
 
 def outline(
@@ -109,10 +118,10 @@ def load(
 def _files(folder: Path, subject: str | None) -> tuple[str, dict[str, Path]]:
     """Name of the subject and the mesh of each pose."""
     subjects: dict[str, dict[str, Path]] = {}
-    for stem, file in files_of(folder / MESHES, MESH_SUFFIXES).items():
+    for stem, file in files_of(_meshes(folder), MESH_SUFFIXES).items():
         subjects.setdefault(class_of(stem), {})[stem] = file
     if not subjects:
-        raise InputError(f"{str(folder / MESHES)!r} holds no meshes ({', '.join(MESH_SUFFIXES)})")
+        raise InputError(f"{str(_meshes(folder))!r} holds no meshes ({', '.join(MESH_SUFFIXES)})")
     return one_subject(subjects, subject, folder)
 
 

@@ -4,12 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from datasets_gen.checks import (
     check_mesh,
-    directed_edges,
     face_components,
     looks_inward,
     oriented,
@@ -18,14 +15,12 @@ from datasets_gen.checks import (
     winding_conflicts,
 )
 from datasets_gen.collections.closing import fill_holes
+from datasets_gen.collections.load_report import boundary_loops, mesh_report, once, size_of
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 
 SMALL_HOLE = 60
 """Longest rim, in edges, of a hole that is filled: the open eyes of TOSCA have fewer."""
-
-UNITS = ((0.5, 3.0, "m"), (50.0, 300.0, "cm"), (500.0, 3000.0, "mm"))
-"""Sizes of people and animals, shortest and longest diagonal, in each unit."""
 
 
 def sound_poses(shapes: list[Shape], *, fill: bool) -> tuple[list[Shape], NDArray[np.int64], list[str]]:
@@ -64,6 +59,7 @@ def sound_poses(shapes: list[Shape], *, fill: bool) -> tuple[list[Shape], NDArra
         remarks.append(f"{len(rims)} holes, the longest rim of {max(rims)} edges: {done}")
         faces = faces if closed is None else closed
     sound = [replace(shape, vertices=shape.vertices[kept], faces=faces) for shape in shapes]
+    remarks.append(f"as it is used: {', '.join(mesh_report(sound[0])[1:])}")
     told = [f"{first.name}: {remark}" for remark in remarks]
     for shape in sound:
         told += [
@@ -72,18 +68,6 @@ def sound_poses(shapes: list[Shape], *, fill: bool) -> tuple[list[Shape], NDArra
             if not remark.startswith("open boundary")  # of all poses alike, as told above
         ]
     return sound, kept, told
-
-
-def boundary_loops(faces: NDArray[np.integer]) -> list[int]:
-    """Number of edges of each connected boundary of faces (f, 3); empty for a closed mesh."""
-    edges, counts = np.unique(np.sort(directed_edges(faces), axis=1), axis=0, return_counts=True)
-    rim = edges[counts == 1]
-    if not len(rim):
-        return []
-    names, ends = np.unique(rim, return_inverse=True)
-    ends = ends.reshape(-1, 2)
-    graph = coo_array((np.ones(len(rim), dtype=np.int8), (ends[:, 0], ends[:, 1])), shape=(len(names),) * 2)
-    return np.bincount(connected_components(graph, directed=False)[1][ends[:, 0]]).tolist()
 
 
 def _filled(
@@ -100,13 +84,13 @@ def _filled(
 
 def _as_read(shape: Shape, vertices: int, faces: int) -> list[str]:
     """Remarks on a mesh as its file has it, of which so many vertices and faces are kept."""
-    remarks = [f"{len(shape.vertices):,} vertices, {len(shape.faces):,} faces, {_size(shape)}"]
+    remarks = [f"{len(shape.vertices):,} vertices, {len(shape.faces):,} faces, {size_of(shape)}"]
     found = {
         "faces repeat others: dropped": len(shape.faces) - len(np.unique(np.sort(shape.faces), axis=0)),
         "faces name a vertex twice: dropped": int(repeated_corners(shape.faces).sum()),
         "vertices belong to no face: dropped": len(shape.vertices) - len(np.unique(shape.faces)),
         "vertices lie where others do": len(shape.vertices) - len(np.unique(shape.vertices, axis=0)),
-        "edges have faces wound against each other": winding_conflicts(_once(shape.faces)),
+        "edges have faces wound against each other": winding_conflicts(once(shape.faces)),
     }
     remarks += [f"{count:,} {what}" for what, count in found.items() if count]
     pieces = len(np.unique(face_components(shape.faces)))
@@ -115,17 +99,3 @@ def _as_read(shape: Shape, vertices: int, faces: int) -> list[str]:
     if looks_inward(shape.vertices, shape.faces):
         remarks.append("faces looked inward: flipped")
     return remarks
-
-
-def _once(faces: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Faces without repetitions and those that name a vertex twice."""
-    return faces[np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1]]
-
-
-def _size(shape: Shape) -> str:
-    """How large a shape is, and in which unit a person or an animal is as large."""
-    size = shape.diagonal
-    if shape.units != "unknown":
-        return f"diagonal {size:.3g} {shape.units}"
-    guess = next((f"; perhaps {unit}" for low, high, unit in UNITS if low <= size <= high), "")
-    return f"diagonal {size:.3g} of unknown units{guess}"

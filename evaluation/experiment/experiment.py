@@ -15,6 +15,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from datasets_gen.collections.layouts import is_data
 from datasets_gen.parsing import parsed_toml
 from datasets_gen.records import InputError
 from datasets_gen.registry import names
@@ -165,14 +166,14 @@ class Experiment:
         table = parsed_toml(text, where)
         table.setdefault("name", path.stem)
         if folder is not None:
-            _locate(table, folder)
+            locate(table, folder)
         return cls.from_table(table, where)
 
 
-def _locate(table: dict[str, Any], folder: Path) -> None:
+def locate(table: dict[str, Any], folder: Path) -> None:
     """Make paths absolute: of data sets, of Python files of methods, and the folder of an external method."""
     for each in filter(_is_named, _tables(table, "dataset")):
-        each["name"] = _located(each["name"], folder, Path.is_dir)
+        each["name"] = _located(each["name"], folder, is_data)
     for each in filter(_is_named, _tables(table, "method")):
         file, colon, attribute = each["name"].rpartition(":")
         if file.endswith(".py"):

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from datasets_gen.collections.layouts import files_read
+from datasets_gen.collection import no_truth
+from datasets_gen.collections.layouts import files_read, is_data
 from datasets_gen.fingerprints import digest_files, seed_of
 from datasets_gen.records import InputError
 from datasets_gen.registry import names
@@ -31,12 +32,12 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
         name = display_name(dataset)
         if name in found:
             raise InputError(f"two data sets are called {name!r}; rename one of the folders")
-        folder = Path(dataset.name)
-        if not folder.is_dir():
+        path = Path(dataset.name)
+        if not is_data(path):
             reject_unknown([dataset.name], names(), "experiment", "data set (and no folder of that name)")
-        files = files_read(folder) if folder.is_dir() else []
-        spec = {"name": str(folder.resolve()) if files else dataset.name, "options": dict(dataset.options)}
-        code = digest_files(*files, root=folder) if files else ""
+        files = files_read(path) if is_data(path) else []
+        spec = {"name": str(path.resolve()) if files else dataset.name, "options": dict(dataset.options)}
+        code = digest_files(*files, root=path if path.is_dir() else path.parent) if files else ""
         identity = {**spec, "name": name} if files else spec
         task = Task.of("shape", identity, {}, name, code)
         found[name] = Task(task.key, task.stage, spec, task.inputs, task.label)
@@ -44,11 +45,12 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
 
 
 def display_name(dataset: DatasetSection) -> str:
-    """Name of a data set in tables: folders go by their last part, and the subject if one is chosen."""
+    """Name of a data set in tables: paths go by their last part, and the subject if one is chosen."""
     path = Path(dataset.name)
-    if not path.is_dir():
+    if not is_data(path):
         return dataset.name
-    return "-".join([path.resolve().name, *([str(s)] if (s := dataset.options.get("subject")) else [])])
+    last = path.resolve().name if path.is_dir() else path.stem
+    return "-".join([last, *([str(s)] if (s := dataset.options.get("subject")) else [])])
 
 
 def make_plan(
@@ -68,9 +70,12 @@ def make_plan(
     Raises
     ------
     InputError
-        If a pose, method or option is unknown.
+        If a pose, method or option is unknown, or a data set has no ground truth.
     """
     _check(experiment)
+    for about in known.values():
+        if about.get("truth") is False:
+            raise InputError(no_truth(str(about["subject"])))
     plan = Plan()
     for task in shapes.values():
         plan.add(task)

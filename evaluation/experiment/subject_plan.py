@@ -62,7 +62,7 @@ class SubjectPlan:
     ) -> None:
         self.experiment, self.plan, self.name, self.shape = experiment, plan, name, shape
         self.subject, self.reference = str(about["subject"]), str(about["reference"])
-        self.poses = _poses(dataset, about)
+        self.poses = poses_used(dataset, about)
 
     def render(self, pose: str, condition: ScanCondition, seed: int) -> str:
         """All that the scanner acquires of a pose."""
@@ -110,7 +110,7 @@ class SubjectPlan:
         return self.plan.add(Task.of("operator", spec, {"scan": scan}, label))
 
 
-def _poses(dataset: DatasetSection, about: Mapping[str, Any]) -> list[str]:
+def poses_used(dataset: DatasetSection, about: Mapping[str, Any]) -> list[str]:
     """Poses to use, in the data set's order; a number takes the reference first."""
     known, wanted = list(about["poses"]), dataset.poses
     if isinstance(wanted, tuple):

@@ -40,9 +40,10 @@ def datasets(
 ) -> None:
     """List the data sets that have a name, or show one; with -o, write it as PLY files and a manifest.
 
-    NAME is one of them, a folder with one mesh per pose (ply, obj or off, shared connectivity), or the
-    folder of a data set of the field as it comes (TOSCA, SHREC'16 Partial, ...; the list has them). Shown of
-    a pose is how far the lengths of its edges are from those of the rest pose.
+    NAME is one of them, a folder with one mesh per pose (ply, obj or off, shared connectivity), the folder
+    of a data set of the field as it comes (TOSCA, SHREC'16 Partial, ...; the list has them), or a glTF
+    character. Shown of a pose is how far the lengths of its edges are from those of the rest pose, then the
+    report of loading: pieces, holes, winding, units, duplicates, and what was changed.
     """
     from datasets_gen import names
     from datasets_gen.bodies.built_in import BODIES
@@ -98,18 +99,20 @@ def _list(quiet: bool) -> None:
     """A line for each collection that has a name, and its poses."""
     from rich.markup import escape
 
-    from datasets_gen.collections.layouts import LAYOUTS
+    from datasets_gen.collections.layouts import GLTF, LAYOUTS, POSES
     from datasets_gen.registry import HELD_OUT, SOURCES
 
     for name, source in SOURCES.items():
         kept = "; held out" if name in HELD_OUT else ""
-        print_lines([f"[bold]{name}[/]  {escape(source.about)} ({source.origin}, {source.licence}{kept})"])
         missing = source.missing
+        print_lines([f"[bold]{name}[/]  {escape(source.about)} ({source.origin}, {source.licence}{kept})"])
         poses = f"not installed: {missing}" if missing else ", ".join(source.outline(name)["poses"])
         print_lines([f"    {escape(poses)}"])
-    for layout in LAYOUTS:
+    print_lines(["", "Of your own files, given by their path instead of a name; nothing is downloaded:"])
+    for layout in (*LAYOUTS, GLTF, POSES):
         print_lines([f"[bold]{escape(layout.name)}[/]  {escape(layout.about)}"])
-        print_lines([f"    a folder of your own, {escape(layout.origin)} ({escape(layout.terms)})"])
+        if layout.origin:
+            print_lines([f"    {escape(layout.origin)} (terms: {escape(layout.terms)})"])
     say(quiet, "held out: no constant of a method may be tuned on these; docs/bodies.md")
 
 
@@ -120,11 +123,17 @@ def _show(collection: "Collection", quiet: bool) -> None:
 
     rest = collection.reference
     for shape in collection.shapes:
-        own = f"{len(shape.vertices):,} vertices of its own, placed on {rest.pose!r}"
-        line = own if shape.pose in collection.placements else edge_stretch(shape, rest).line
+        own = f"{len(shape.vertices):,} vertices of its own"
+        if not collection.truth:
+            line = own
+        elif shape.pose in collection.placements:
+            line = f"{own}, placed on {rest.pose!r}"
+        else:
+            line = edge_stretch(shape, rest).line
         told = "" if quiet else f"  {line}"
         print_lines([escape(shape.name + told)])
     size = f"{len(rest.vertices):,} vertices, {len(rest.faces):,} faces"
-    say(quiet, f"{size}, rest pose {rest.pose!r}; edges against those of the rest pose")
+    if collection.truth:
+        say(quiet, f"{size}, rest pose {rest.pose!r}; edges against those of the rest pose")
     for remark in collection.remarks:
         say(quiet, remark)

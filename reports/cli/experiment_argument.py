@@ -36,6 +36,7 @@ def load_experiment(
     """
     from dataclasses import replace
 
+    from datasets_gen.collections.layouts import is_data
     from evaluation.experiment.config_sections import DatasetSection
     from evaluation.experiment.experiment import Experiment
 
@@ -52,7 +53,7 @@ def load_experiment(
     if datasets:
         rule = experiment.dataset[0].poses
         rule = "all" if isinstance(rule, tuple) else rule
-        located = [str(Path(each).resolve()) if Path(each).is_dir() else each for each in datasets]
+        located = [str(Path(each).resolve()) if is_data(Path(each)) else each for each in datasets]
         sections = tuple(DatasetSection(name=each, poses=rule) for each in located)
         experiment = replace(experiment, dataset=sections)
     if poses is not None:

@@ -14,6 +14,9 @@ from reports.cli.set_options import CommandWithSettings, merged, value_of
 if TYPE_CHECKING:
     from reports.cli.setting_list import Setting
 
+HUGE = 200_000
+"""Points from which on a scan is larger than what most programs work with."""
+
 
 def listed(given: Mapping[str, Any]) -> list["Setting"]:
     """What ``--set`` takes."""
@@ -99,7 +102,8 @@ def scan(
 ) -> None:
     """Scan MESH (.ply, .obj or .off) with the simulated laser scanner.
 
-    Every point of the scan knows its face and barycentric coordinates on the mesh.
+    The mesh may be open, in pieces, or otherwise unfit for ground truth; views that see nothing of it are
+    named and left out. Every point of the scan knows its face and barycentric coordinates on the mesh.
     """
     from datasets_gen import load_mesh
     from datasets_gen.meshes.colours import colours_of
@@ -150,6 +154,12 @@ def scan(
             scanner_sim.write_range_images(whole, range_images)
         if truth is not None:
             write_truth(truth, whole, shape)
+    if len(cloud) > HUGE:
+        say(
+            quiet,
+            f"{len(cloud):,} points are many: --points 20000 keeps as many, evenly spread, and a lower "
+            "--set resolution or fewer --views scans faster",
+        )
     kept = f", {len(cloud):,} kept" if len(cloud) < len(whole) else ""
     say(
         quiet,

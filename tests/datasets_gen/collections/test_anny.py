@@ -30,8 +30,8 @@ def test_a_missing_package_is_told(monkeypatch):
 
 
 def test_the_outline_needs_no_files(empty):
-    told = outline("anny", people=2, weight=0.8)
-    assert told["subject"] == "anny-weight0.8-2people"
+    told = outline("anny", subjects=2, weight=0.8)
+    assert told["subject"] == "anny-weight0.8-2subjects"
     assert told["reference"] == "1-rest"
     assert len(told["poses"]) == 2 * len(POSES)
     assert len(POSES) >= 10
@@ -45,8 +45,9 @@ def test_the_outline_needs_no_files(empty):
     [
         ({"age": 1.2}, r"age of 'anny' is 1\.2; give a number in \[0, 1\]"),
         ({"age": "old"}, "age must be"),
-        ({"people": 0}, "people of 'anny' is 0"),
-        ({"people": 101}, "at most 100"),
+        ({"subjects": 0}, "subjects of 'anny' is 0"),
+        ({"subjects": 101}, "at most 100"),
+        ({"people": 2}, "option .people. of .anny. is called .subjects. now"),
         ({"seed": -1}, "seed of 'anny' is -1"),
         ({"poses": ["fly"]}, "no pose 'fly'"),
         ({"topology": "smplx"}, "no option 'topology'"),
@@ -132,7 +133,7 @@ def test_vertices_are_those_of_the_package(values, height, rest, posed, files):
 def test_the_body_is_closed_and_its_own_mirror_image(tmp_path, monkeypatch):
     monkeypatch.setenv("MEDIALBENCH_CACHE", str(tmp_path))
     monkeypatch.setattr(anny, "POSES", {"rest": {}, "walk": POSES["walk"]})
-    body = load_anny(people=2, age=0.9)
+    body = load_anny(subjects=2, age=0.9)
     assert body.poses == ("1-rest", "1-walk", "2-rest", "2-walk")
     assert len(body.reference.vertices) == 13_348
     assert all(check_mesh(shape) == () for shape in body)
@@ -141,4 +142,4 @@ def test_the_body_is_closed_and_its_own_mirror_image(tmp_path, monkeypatch):
     heights = [np.ptp(body[pose].vertices[:, 1]) for pose in ("1-rest", "2-rest")]
     assert abs(heights[0] - heights[1]) > 0.02
     assert (tmp_path / "anny-0.6.2.licence.txt").read_text(encoding="utf-8").count("CC0") > 1
-    assert load_anny(people=2, age=0.9, poses=["2-walk"]).poses == ("2-walk",)
+    assert load_anny(subjects=2, age=0.9, poses=["2-walk"]).poses == ("2-walk",)

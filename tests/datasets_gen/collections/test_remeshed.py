@@ -30,6 +30,18 @@ def test_shapes_lie_on_the_first_by_the_template(tmp_path):
     assert list(load(tmp_path, reference="mesh001").placements) == ["mesh000"]
 
 
+def test_meshes_may_lie_beside_their_maps(tmp_path):
+    orders = written(tmp_path)
+    inside = load(tmp_path)
+    for file in (tmp_path / "off").iterdir():
+        file.rename(tmp_path / file.name)
+    (tmp_path / "off").rmdir()
+    beside = load(tmp_path)
+    for pose in orders:
+        assert np.array_equal(beside[pose].vertices, inside[pose].vertices)
+    assert np.array_equal(beside.placements["mesh001"].face_ids, inside.placements["mesh001"].face_ids)
+
+
 def test_a_vertex_of_no_template_point_takes_its_nearest_neighbours_place(tmp_path):
     orders = written(tmp_path)
     rows = [np.loadtxt(tmp_path / "corres" / f"{name}.vts", dtype=int) for name in orders]

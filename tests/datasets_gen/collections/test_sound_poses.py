@@ -4,17 +4,9 @@ import numpy as np
 import pytest
 
 from datasets_gen import InputError
-from datasets_gen.collections.sound_poses import boundary_loops, sound_poses
+from datasets_gen.collections.sound_poses import sound_poses
 from tests.datasets_gen.collections.layout_files import egg
-from tests.datasets_gen.sample_meshes import box, shape
-
-
-def test_loops_of_a_boundary():
-    """A cube of twelve triangles without two that do not touch has two holes of three edges."""
-    faces = box().faces
-    apart = next(k for k in range(12) if not set(faces[k]) & set(faces[0]))
-    assert boundary_loops(faces) == []
-    assert sorted(boundary_loops(np.delete(faces, [0, apart], axis=0))) == [3, 3]
+from tests.datasets_gen.sample_meshes import shape
 
 
 def test_what_is_found_is_said_and_all_poses_change_alike():

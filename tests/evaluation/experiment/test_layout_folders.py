@@ -2,11 +2,12 @@
 
 import pytest
 
-from datasets_gen import load
+from datasets_gen import InputError, load
 from datasets_gen.registry import outline
 from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.make_plan import make_plan, shape_tasks
 from evaluation.running.stages import threshold_scan
+from tests.datasets_gen.collections.gltf_files import animate, turn, two_bones
 from tests.datasets_gen.collections.layout_files import egg, write_off, write_table
 from tests.datasets_gen.collections.test_shrec_partial import part_of, written
 
@@ -69,6 +70,29 @@ def test_surfaces_are_sampled_without_a_render(tmp_path):
     plan = make_plan(settings, shapes, {next(iter(shapes)): outline(tmp_path, subject="cat")})
     assert {task.stage for task in plan.tasks.values()} == {"shape", "scan", "operator", "map", "score"}
     assert {row.columns["views"] for row in plan.rows} == {"surface"}
+
+
+def test_a_character_goes_by_its_name_and_all_its_files_are_part_of_the_key(tmp_path):
+    writer, _, _ = two_bones()
+    animate(writer, "bend", times=[0, 1], values=[turn(0, 0), turn(0, 60)])
+    path = writer.write_gltf(tmp_path / "tube.gltf", "tube.bin")
+    entries = [{"name": str(path), "options": {"frames": 2}}]
+    settings = experiment(path, dataset=entries)
+    before = shape_tasks(settings)
+    assert list(before) == ["tube"]
+    plan = make_plan(settings, before, {"tube": outline(path, frames=2)})
+    assert {row.columns["target_pose"] for row in plan.rows} == {"bend-1", "bend-2"}
+    data = tmp_path / "tube.bin"
+    data.write_bytes(data.read_bytes()[:-1] + b"\x01")
+    assert shape_tasks(settings)["tube"].key != before["tube"].key
+
+
+def test_shapes_without_truth_are_refused_before_anything_runs(tmp_path):
+    settings = experiment(tmp_path, dataset=[{"name": str(tmp_path)}])
+    about = {"subject": "jump", "poses": ["frame_1", "frame_2"], "reference": "frame_1", "truth": False}
+    shapes = shape_tasks(settings)
+    with pytest.raises(InputError, match="'jump' has no ground truth"):
+        make_plan(settings, shapes, {next(iter(shapes)): about})
 
 
 @pytest.mark.parametrize("height", [-9.0, 0.0])

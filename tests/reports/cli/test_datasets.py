@@ -2,8 +2,10 @@
 
 import json
 
+from tests.datasets_gen.collections.gltf_files import animate, turn, two_bones
+from tests.datasets_gen.collections.test_frame_sequence import frames
 from tests.datasets_gen.collections.test_shrec_partial import written
-from tests.reports.cli.command_line import body, fails, run
+from tests.reports.cli.command_line import FAST, body, fails, run
 
 
 def test_a_folder_of_poses_is_shown_and_written(tmp_path):
@@ -63,7 +65,9 @@ def test_the_list_has_the_sets_of_the_field_and_where_they_come_from():
     lines = run("datasets").stdout.splitlines()
     tosca = next(k for k, line in enumerate(lines) if line.startswith("TOSCA "))
     assert "cat0.vert + cat0.tri" in lines[tosca]
-    assert "http://tosca.cs.technion.ac.il (" in lines[tosca + 1]
+    assert "http://tosca.cs.technion.ac.il/book/resources_data.html (terms: " in lines[tosca + 1]
+    assert any(line.startswith("glTF ") for line in lines)
+    assert any("nothing is downloaded" in line for line in lines)
 
 
 def test_a_set_of_the_field_is_shown_with_what_loading_found(tmp_path):
@@ -75,3 +79,44 @@ def test_a_set_of_the_field_is_shown_with_what_loading_found(tmp_path):
     assert "cat/null: 162 vertices, 320 faces, diagonal" in shown.output
     fails(run("datasets", tmp_path), "several subjects: cat, dog; choose one")
     fails(run("datasets", tmp_path, "--set", "subject=cat", "-o", tmp_path / "out"), "a mesh of its own")
+
+
+def test_a_character_is_shown_drawn_and_written_as_poses(tmp_path):
+    writer, _, _ = two_bones()
+    animate(writer, "bend", times=[0.0, 1.0], values=[turn(0, 0), turn(0, 60)])
+    path = writer.write_glb(tmp_path / "tube.glb")
+    shown = run("datasets", path, "--set", "frames=2")
+    assert shown.exit_code == 0, shown.output
+    for words in ("tube/bend-2  edges x", "as it is used: closed, one piece, genus 0, wound consistently"):
+        assert words in shown.output
+    picture = tmp_path / "tube.png"
+    assert run("datasets", path, "--set", "frames=2", "--picture", picture).exit_code == 0
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    assert run("datasets", path, "--set", "frames=2", "-o", tmp_path / "out").exit_code == 0
+    assert run("datasets", tmp_path / "out", "-q").stdout.split() == [
+        "tube/rest",
+        "tube/bend-1",
+        "tube/bend-2",
+    ]
+    planned = run("run", "quick", "--dataset", path, "--poses", "rest,bend-2", "--dry-run")
+    assert planned.exit_code == 0, planned.output
+    assert "tube: rest, bend-2" in planned.output
+
+
+def test_frames_without_truth_are_shown_and_not_run(tmp_path):
+    folder = frames(tmp_path / "jump")
+    shown = run("datasets", folder)
+    assert shown.exit_code == 0, shown.output
+    assert "jump/frame_10  162 vertices of its own" in shown.output
+    assert "nothing can be scored" in shown.output
+    assert run("datasets", folder, "--picture", tmp_path / "jump.png").exit_code == 0
+    refused = run("datasets", folder, "-o", tmp_path / "out")
+    assert refused.exit_code == 1
+    assert "'jump' has a mesh of its own" in refused.stderr
+    result = run("run", "quick", "--dataset", folder, "-o", tmp_path / "results", "-q")
+    fails(result, "'jump' has no ground truth", "medialbench match A B")
+    assert not (tmp_path / "results").exists()
+    pair = [folder / "frame_10.obj", folder / "frame_11.obj"]
+    matched = run("match", *pair, "-o", tmp_path / "map.npz", "--picture", tmp_path / "map.png", *FAST)
+    assert matched.exit_code == 0, matched.output
+    assert (tmp_path / "map.png").read_bytes()[:4] == b"\x89PNG"

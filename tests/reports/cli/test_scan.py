@@ -1,5 +1,7 @@
 """Scanning meshes; bad input ends in one line with nothing written."""
 
+import sys
+
 import numpy as np
 import pytest
 import trimesh
@@ -178,3 +180,22 @@ def test_views_that_see_nothing_are_said_in_one_line(tmp_path):
     said = [line for line in result.stderr.splitlines() if "see nothing" in line]
     assert len(said) == 1
     assert "[1, 2]" in said[0]
+
+
+def test_an_open_surface_is_scanned_and_its_boundary_said(tmp_path):
+    path, out = tmp_path / "open.ply", tmp_path / "s.npz"
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    trimesh.Trimesh(ball.vertices, ball.faces[ball.triangles_center[:, 1] > 0], process=False).export(path)
+    result = run("scan", path, "-o", out, *SMALL)
+    assert result.exit_code == 0, result.output
+    assert "open boundary of" in result.stderr
+    assert len(Scan.load(out)) > 100
+
+
+def test_a_huge_scan_suggests_to_keep_fewer_points(mesh_file, tmp_path, monkeypatch):
+    command = sys.modules["reports.cli.scan"]
+    monkeypatch.setattr(command, "HUGE", 500)
+    many = run("scan", mesh_file, "-o", tmp_path / "s.npz", *SMALL)
+    assert "points are many: --points 20000 keeps" in many.output
+    few = run("scan", mesh_file, "-o", tmp_path / "s.npz", *SMALL, "--points", 400)
+    assert "points are many" not in few.output
