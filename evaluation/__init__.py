@@ -2,8 +2,8 @@
 
 Data go one way: `experiment` (settings and the plan of tasks), `running` (tasks on workers), `results`
 (the folder and its table). A running task calls `methods` (correspondence) and `metrics` (errors).
-`protocols` holds the packaged experiments. Read the folders in this order; each says what may be touched
-without harm to results.
+`protocols` holds the packaged experiments; `generation` makes training data on the same workers. Read the
+folders in this order; each says what may be touched without harm to results.
 """
 
 from evaluation.experiment.experiment import Experiment

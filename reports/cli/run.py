@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from reports.cli.cluster_options import cluster_options, tls_files
 from reports.cli.console import Command, Failure, Interrupted, print_lines, result_console, say
 from reports.cli.experiment_argument import check_experiment_kept, load_experiment, results_of
 from reports.cli.preset_names import preset_names
@@ -13,7 +14,6 @@ from reports.cli.progress import clock, sweep_progress
 
 if TYPE_CHECKING:
     from evaluation import Experiment, ResultsStore
-    from evaluation.running.tls import TlsFiles
 
 
 @click.command(cls=Command, short_help="Run an experiment from shapes to report.")
@@ -37,16 +37,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="Use the seeds 0 to N - 1 instead of the experiment's.",
 )
-@click.option(
-    "-j", "--jobs", type=click.IntRange(min=1), help="Worker processes.  [default: number of processors]"
-)
-@click.option(
-    "--scheduler", metavar="tls://HOST:PORT", help="Use a running Dask cluster instead of local workers."
-)
-@click.option("--tls-ca", metavar="FILE", help="Certificate (PEM) that signed those of the cluster.")
-@click.option("--tls-cert", metavar="FILE", help="Certificate (PEM) of this process for the cluster.")
-@click.option("--tls-key", metavar="FILE", help="Its key (PEM), unless the certificate's file holds it.")
-@click.option("--dashboard", is_flag=True, help="Show Dask's dashboard of local workers, to all users here.")
+@cluster_options
 @click.option("--force", is_flag=True, help="Run everything again, even what is stored.")
 @click.option("--dry-run", is_flag=True, help="Say what would run, and run nothing.")
 @click.option(
@@ -91,23 +82,12 @@ def run(
         return
     check_output_folder(folder)
     check_experiment_kept(experiment, settings, folder)
-    cluster = {"jobs": jobs, "scheduler": scheduler, "tls": _tls(tls_ca, tls_cert, tls_key, scheduler)}
+    cluster = {"jobs": jobs, "scheduler": scheduler, "tls": tls_files(tls_ca, tls_cert, tls_key, scheduler)}
     store = _sweep(settings, folder, quiet, **cluster, dashboard=dashboard, force=force)
     _finish(store, with_report, quiet, jobs)
 
 
 run.help = str(run.help).replace("PRESETS", ", ".join(preset_names("evaluation", "protocols")))
-
-
-def _tls(ca: str | None, cert: str | None, key: str | None, scheduler: str | None) -> "TlsFiles | None":
-    """The certificates that were given; UsageError if they cannot be used as given."""
-    from evaluation.running.tls import TlsFiles
-
-    if ca is None and cert is None and key is None:
-        return None
-    if ca is None or cert is None or scheduler is None:
-        raise click.UsageError("--scheduler, --tls-ca and --tls-cert go together (and --tls-key)")
-    return TlsFiles(ca, cert, key)
 
 
 def _sweep(settings: "Experiment", folder: Path, quiet: bool, **options: Any) -> "ResultsStore":
