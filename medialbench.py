@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from datasets_gen import Collection, InputError, Shape
@@ -73,7 +72,7 @@ def load(name: str | os.PathLike[str], **options: Any) -> "Collection":
     Parameters
     ----------
     name
-        Of `datasets_gen.names`, such as "human", or a folder with a mesh per pose (.ply, .obj, .off).
+        Of `datasets_gen.names`, such as "human", a folder of poses or of a known data set, or a .glb or .gltf
     **options
         Those of `datasets_gen.bodies.built_in.load_body` (`seed`, ...) or of `datasets_gen.load_folder`.
 
@@ -277,7 +276,7 @@ def diffusion_error(
     return diffusion_error_of_scan(scan, body, operator, modes, seed, settings)
 
 
-def plot(thing: Any, *others: Any, **options: Any) -> "Figure":
+def plot(thing: Any, *others: Any, **options: Any) -> Any:
     """Draw anything: a shape, a body, a cloud, a diffusion, or a map with its clouds.
 
     Parameters
@@ -288,12 +287,13 @@ def plot(thing: Any, *others: Any, **options: Any) -> "Figure":
     *others
         Of a `Matching`, its two clouds; without them it is drawn on the points that it holds.
     **options
-        ``up`` ("x", "y" or "z") and ``height`` (pixels); of a `Diffusion`, ``mode`` (which eigenfunction).
+        ``up`` ("x", "y" or "z"), ``height`` (pixels); of a `Diffusion`, ``mode`` (which eigenfunction); of a
+        map or a cloud, ``interactive=True`` for a view that can be turned.
 
     Returns
     -------
-    matplotlib.figure.Figure
-        Shows in a notebook; ``.savefig("picture.png")`` writes it. Of a map: colours that travel along it.
+    matplotlib.figure.Figure or InteractiveView
+        Shows in a notebook; ``.savefig("a.png")``, of a view ``.save("a.html")``, writes it.
     """
     from reports.draw import draw
 

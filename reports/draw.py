@@ -1,6 +1,7 @@
 """A picture of anything: which figure shows a shape, a cloud, a diffusion or a map."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from reports.figures.dense_map import dense_map
 from reports.figures.diffusion_modes import diffusion_modes
 from reports.figures.scan_series import ScanView, scan_series
 from reports.given_clouds import as_cloud, check_pair
+from reports.viewer.interactive import InteractiveView
+from reports.viewer.views import view_of_map, view_of_scan
 from scanner_sim import Scan, sample
 
 SAMPLES = 12_000
@@ -23,6 +26,8 @@ PER_ROW = 6
 """Poses side by side before a new row begins."""
 NAMELESS = "cloud"
 """Title of a cloud of arrays."""
+LEAST_VIEW = 520
+"""Pixels of a view, whose controls take some."""
 HEIGHT = 480
 """Pixels of a cloud."""
 LEAST_HEIGHT = 10
@@ -37,7 +42,14 @@ RECORDS: dict[str, Callable[[Path], Any]] = {
 """How a ``.npz`` file of each kind is read."""
 
 
-def draw(thing: Any, *others: Any, up: str | None = None, height: int = HEIGHT, **options: Any) -> Figure:
+def draw(
+    thing: Any,
+    *others: Any,
+    up: str | None = None,
+    height: int = HEIGHT,
+    interactive: bool = False,
+    **options: Any,
+) -> Figure | InteractiveView:
     """Draw anything; see `medialbench.plot`.
 
     Parameters
@@ -48,6 +60,8 @@ def draw(thing: Any, *others: Any, up: str | None = None, height: int = HEIGHT, 
         Axis that points upwards; that of the scanner for a `Scan`, else "y".
     height
         Pixels of a cloud.
+    interactive
+        A view that can be turned, of a map or a cloud, instead of a picture.
     **options
         ``mode`` of a `Diffusion`.
 
@@ -68,6 +82,8 @@ def draw(thing: Any, *others: Any, up: str | None = None, height: int = HEIGHT, 
             f"only a Matching is drawn with clouds; the first argument is {type(thing).__name__!r}"
         )
     axis = _up_axis(up, thing, *others)
+    if interactive:
+        return _view(thing, others, axis, height)
     if isinstance(thing, Matching):
         return _map(thing, others, height, axis)
     if isinstance(thing, Diffusion):
@@ -78,6 +94,24 @@ def draw(thing: Any, *others: Any, up: str | None = None, height: int = HEIGHT, 
         return scan_series(rows, axis, height)
     view = _mesh(thing) if isinstance(thing, Shape) else _cloud(thing)
     return scan_series([("", [view])], axis, height, inches=4.0)
+
+
+def _view(thing: Any, others: tuple[Any, ...], up: int, height: int) -> InteractiveView:
+    """A map or a cloud that can be turned."""
+    if isinstance(thing, Matching):
+        source, target = _clouds_of(thing, others)
+        clouds = (source, source) if len(others) == 1 else (source, target)
+        scene = view_of_map(clouds, (_caption(source), _caption(target)), thing)
+    elif isinstance(thing, Diffusion | Collection):
+        raise InputError(
+            f"a {type(thing).__name__} has no view that can be turned; leave out interactive=True"
+        )
+    else:
+        cloud = (
+            sample(thing, SAMPLES) if isinstance(thing, Shape) else as_cloud(thing, SAMPLES, name=NAMELESS)
+        )
+        scene = view_of_scan(cloud, cloud.shape_name or NAMELESS)
+    return InteractiveView(replace(scene, up=up), max(height, LEAST_VIEW))
 
 
 def _up_axis(up: str | None, *things: Any) -> int:
@@ -113,8 +147,8 @@ def _caption(cloud: Scan) -> str:
     return f"{len(cloud):,} points" if cloud.shape_name in ("", NAMELESS) else cloud.shape_name
 
 
-def _map(found: Matching, others: tuple[Any, ...], height: int, up: int) -> Figure:
-    """A map on the given clouds, or on the points that it holds."""
+def _clouds_of(found: Matching, others: tuple[Any, ...]) -> tuple[Scan, Scan]:
+    """The given clouds of a map, or the points that it holds."""
     if not others:
         if found.source_points is None or found.target_points is None:
             raise InputError("this Matching holds no points; give its clouds, too: plot(matching, a, b)")
@@ -123,6 +157,11 @@ def _map(found: Matching, others: tuple[Any, ...], height: int, up: int) -> Figu
         raise InputError(f"a Matching has two clouds, got {len(others)}; give source and target")
     source, target = (as_cloud(each, SAMPLES, name=NAMELESS, warn=False) for each in (others[0], others[-1]))
     check_pair(found, source, target)
+    return source, target
+
+
+def _map(found: Matching, others: tuple[Any, ...], height: int, up: int) -> Figure:
+    source, target = _clouds_of(found, others)
     here, there = (DrawnCloud(c.points, c.normals, _caption(c)) for c in (source, target))
     return dense_map(
         here, there, found.source_to_target, found.confidence, found.landmarks, height=height, up=up

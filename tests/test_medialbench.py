@@ -15,7 +15,12 @@ from datasets_gen import as_shape
 from datasets_gen.records import save_record
 
 SMALL = {"views": 4, "resolution": (60, 60), "stripes": 80}
-FAST = {"modes": 30, "points": 400}
+SIZE = {"modes": 30, "points": 400}
+LITTLE = {"finalists": 2, "restarts": 4, "partners": 2, "nodes": 40, "fine_nodes": 80, "samples": 200}
+LITTLE |= {"recombine": False, "both_ways": False, "rigid_starts": False}
+"""Settings of a third of the time: most tests ask what goes in and out, not how well it is matched."""
+CHEAP = mb.MatchConfig(**LITTLE)
+FAST = {**SIZE, "config": CHEAP}
 
 
 def bent_club(bend):
@@ -78,7 +83,7 @@ def test_every_name_is_there_and_documented():
 def test_the_first_hour(body, scans, tmp_path):
     """Load, scan two poses, match, an error in one call, a picture in one call."""
     a, b = scans
-    found = mb.match(a, b, **FAST)
+    found = mb.match(a, b, **SIZE)
     assert found.source_to_target.shape == found.confidence.shape == (600,)
     errors = mb.geodesic_error(found, a, b, body)
     straight = straight_errors(found.source_to_target, a, b, body)
@@ -149,6 +154,9 @@ def test_maps_of_files_are_those_of_scans_and_of_the_command_line(scans, found, 
     assert np.array_equal(by_path.source_to_target, found.source_to_target)
     out = tmp_path / "map.npz"
     arguments = ["match", *map(str, files), "-o", str(out), "--modes", "30", "--points", "400"]
+    arguments += [
+        word for name, value in LITTLE.items() for word in ("--set", f"{name}={str(value).lower()}")
+    ]
     assert CliRunner().invoke(cli, arguments).exit_code == 0
     read = mb.Matching.load(out)
     for name in ("source_to_target", "confidence", "landmarks", "source_points", "target_points"):
@@ -158,10 +166,10 @@ def test_maps_of_files_are_those_of_scans_and_of_the_command_line(scans, found, 
 def test_a_diffusion_is_matched_whole_and_decides_the_operator(body, scans):
     a, b = scans
     diffusion = mb.Diffusion.from_points(a.points, a.normals, operator="heat", modes=30)
-    mixed = mb.match(diffusion, b, points=400)
+    mixed = mb.match(diffusion, b, points=400, config=CHEAP)
     other = mb.Diffusion.from_points(b.points, b.normals, operator="heat", modes=30)
     assert straight_errors(mixed.source_to_target, a, b, body).mean() < 4
-    assert straight_errors(mb.match(diffusion, other).source_to_target, a, b, body).mean() < 4
+    assert straight_errors(mb.match(diffusion, other, config=CHEAP).source_to_target, a, b, body).mean() < 4
 
 
 def test_symmetry_maps_a_cloud_to_itself(scans):
@@ -176,7 +184,9 @@ def test_pairs_of_vertices_and_faces_are_meshes(scans):
     found = mb.match((mesh.vertices, mesh.faces), scans[1], **FAST)
     assert len(found) == FAST["points"]
     grid = np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0), [0.0]), -1).reshape(-1, 3)
-    assert len(mb.match((grid, np.tile([0, 0, 1], (36, 1))), scans[1], modes=10, points=400)) == 36
+    assert (
+        len(mb.match((grid, np.tile([0, 0, 1], (36, 1))), scans[1], modes=10, points=400, config=CHEAP)) == 36
+    )
 
 
 def test_settings_that_nothing_has_are_named(scans):
@@ -188,7 +198,7 @@ def test_settings_that_nothing_has_are_named(scans):
 
 
 def test_small_clouds_take_the_modes_that_they_have(scans, caplog):
-    found = mb.match(scans[0], scans[1].subsample(200), modes=300, points=400)
+    found = mb.match(scans[0], scans[1].subsample(200), modes=300, points=400, config=CHEAP)
     assert len(found) == len(scans[0])
     assert "200 places carry 199 modes, not 300: so many are taken" in caplog.text
 
@@ -323,11 +333,11 @@ def test_departures_reach_equation_18(body, scans):
 
 
 def test_departures_reach_the_matcher(scans):
-    found = mb.match(*scans, **FAST, departures="none")
+    found = mb.match(*scans, **SIZE, departures="none")
     assert found.config == mb.MatchConfig.paper(mb.Departures.none())
-    settings = mb.match(*scans, **FAST, config="paper").config
+    settings = mb.match(*scans, **SIZE, config="paper").config
     assert settings == mb.MatchConfig.paper(mb.Departures())
-    assert mb.symmetry(scans[0], **FAST, departures="none").config == found.config
+    assert mb.symmetry(scans[0], **SIZE, departures="none").config == found.config
     diffusion = mb.Diffusion.from_points(scans[0].points, scans[0].normals, modes=30, departures="none")
     assert mb.match(diffusion, scans[1], points=400).config == found.config  # the other cloud follows
     with pytest.raises(
@@ -372,6 +382,19 @@ def test_pictures_show_in_a_notebook_and_are_saved(scans, tmp_path):
         assert (tmp_path / f"scan.{suffix}").read_bytes().startswith(begins)
     picture = np.array(Image.open(tmp_path / "scan.png").convert("RGB")).reshape(-1, 3)
     assert len(np.unique(picture, axis=0)) > 50  # shaded points, and not a blank page
+
+
+def test_views_show_in_a_notebook_and_are_saved(scans, found, tmp_path):
+    for things in ((found, *scans), (found,), (scans[0],), (scans[0].points,)):
+        view = mb.plot(*things, interactive=True)
+        assert view._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
+        assert len(view.scene.clouds[0].points) == 600
+    view = mb.plot(found, *scans, interactive=True)
+    assert np.array_equal(view.scene.maps[0].image, found.source_to_target)
+    view.save(tmp_path / "map.html")
+    assert (tmp_path / "map.html").read_text().startswith("<!DOCTYPE html>")
+    with pytest.raises(mb.InputError, match="a Diffusion has no view"):
+        mb.plot(mb.Diffusion.from_points(scans[0].points, modes=20), interactive=True)
 
 
 def test_pictures_that_cannot_be_drawn_are_refused(scans, found):
@@ -426,6 +449,7 @@ def test_settings_are_checked(scans, settings, said):
 
 def test_numbers_of_numpy_are_numbers(scans, found, tmp_path):
     numbers = {"modes": np.int64(30), "points": np.int32(400), "seed": np.int64(0), "eta": np.float32(0.5)}
+    numbers["config"] = CHEAP
     same = mb.match(*scans, **numbers)
     assert np.array_equal(same.source_to_target, found.source_to_target)
     same.save(tmp_path / "map.npz")
@@ -436,8 +460,8 @@ def test_a_diffusion_decides_the_settings_of_the_other_cloud(scans):
     a, b = scans
     made = mb.Diffusion.from_points(a.points, a.normals, modes=20, eta=None, sigma_t=0.6)
     other = mb.Diffusion.from_points(b.points, b.normals, modes=20, eta=None, sigma_t=0.6)
-    expected = mb.match(made, other).source_to_target
-    assert np.array_equal(mb.match(made, b).source_to_target, expected)
+    expected = mb.match(made, other, config=CHEAP).source_to_target
+    assert np.array_equal(mb.match(made, b, config=CHEAP).source_to_target, expected)
     with pytest.raises(mb.InputError, match="eta"):
         mb.match(made, mb.Diffusion.from_points(b.points, b.normals, modes=20))
 

@@ -22,7 +22,9 @@ MEASURES = ("geodesic_mean", "geodesic_median", "geodesic_symmetric_mean", "medi
 def compare(folder: Path, measure: str, quiet: bool) -> None:
     """Show the leaderboard of the results in DIR with its spread over seeds, and paired tests of the methods.
 
-    The tests are two-sided Wilcoxon signed-rank tests over pairs of scans, corrected for their number (Holm).
+    The unit of the tests is the pair of poses: maps under other regimes or seeds of the same pair are no
+    independent evidence. Intervals are by a hierarchical bootstrap, p-values by two-sided Wilcoxon
+    signed-rank tests, corrected for their number (Holm).
     """
     from reports.tables.completeness import unmatched
     from reports.tables.leaderboard import ceilings, leaderboard, with_numpy_types

@@ -5,7 +5,7 @@ from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, to_rgb
+from matplotlib.colors import FuncNorm, LinearSegmentedColormap, to_rgb
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
@@ -19,9 +19,25 @@ FILL = 2.5
 """A target point that nothing was mapped to takes the nearest colour within this many spacings."""
 
 ERROR_COLORS = LinearSegmentedColormap.from_list(
-    "error", ["#f1eef0", "#fdd49e", "#fc8d59", "#d7301f", "#67000d"]
+    "error", ["#fdf6d3", "#fdd49e", "#fc8d59", "#d7301f", "#67000d"]
 )
-"""Pale where a map is right, dark red where it is wrong; lightness alone tells them apart."""
+"""Pale yellow where a map is right, dark red where it is wrong; lightness alone tells them apart."""
+
+SMALL = 0.5
+"""Error from which the colours go with the logarithm: below 1, maps differ, too."""
+
+
+def _to_scale(errors: ArrayLike) -> NDArray[np.float64]:
+    return np.asarray(np.log1p(np.asarray(errors, float) / SMALL))
+
+
+def _from_scale(values: ArrayLike) -> NDArray[np.float64]:
+    return np.asarray(SMALL * np.expm1(np.asarray(values, float)))
+
+
+ERROR_NORM = FuncNorm((_to_scale, _from_scale), 0.0, ERROR_CAP, clip=True)
+"""From an error to its place in the colours."""
+ERROR_TICKS = (0.0, 0.5, 1.0, 2.5, 5.0, 10.0, 25.0)
 
 
 LETTER = 0.085
@@ -70,7 +86,7 @@ def position_colors(positions: ArrayLike, low: ArrayLike, high: ArrayLike) -> ND
 
 def error_colors(errors: ArrayLike) -> NDArray[np.float64]:
     """Colour of a geodesic error x100 / sqrt(area), (n, 3)."""
-    return ERROR_COLORS(np.clip(np.asarray(errors, float) / ERROR_CAP, 0, 1))[:, :3]
+    return np.asarray(ERROR_COLORS(ERROR_NORM(np.asarray(errors, float)))[:, :3])
 
 
 def carried_colors(

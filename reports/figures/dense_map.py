@@ -16,11 +16,12 @@ from reports.figures.cloud_drawing import (
     place_cloud,
     position_colors,
 )
+from reports.figures.cloud_sheet import add_key
 from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
-from reports.figures.style import blank, new_figure, styled
+from reports.figures.style import CLOUD_INCHES, blank, new_figure, styled
 
-CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#f1eef0", "#b8d3e6", "#4292c6", "#08306b"])
-"""Pale where a map is not sure of itself, dark blue where it is."""
+CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#fff3bf", "#7fcdbb", "#2c7fb8", "#081d58"])
+"""Yellow where a map is not sure of itself, dark blue where it is: neither looks like a gap."""
 
 
 @styled
@@ -56,7 +57,8 @@ def dense_map(
     cameras = fitted_cameras([source.points, target.points], rotation, height)
     width = max(camera.width for camera in cameras)
     here, there = (replace(camera, width=width) for camera in cameras)
-    figure, grid = new_figure(1, 3, 3 * max(3.0 * width / height, 1.6) + 0.6, 3.4)
+    wide = 3 * max(CLOUD_INCHES * width / height, 1.8) + 0.6
+    figure, grid = new_figure(1, 3, wide, CLOUD_INCHES + 0.85)
     sure = CONFIDENCE(confidence)[:, :3]
     for axes, cloud, shown, camera, title, side in (
         (grid[0, 0], source, colors, here, "source", 0),
@@ -72,4 +74,5 @@ def dense_map(
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, 1), CONFIDENCE)
     bar = figure.colorbar(scale, ax=grid[0, 2], shrink=0.7, aspect=24, pad=0.02)
     bar.outline.set_visible(False)
+    add_key(figure)
     return figure

@@ -1,4 +1,4 @@
-"""Fig. 6 of the paper: the error of Eq. 18 against the peak threshold, a line per pose."""
+"""Eq. 18 in results: the error in the diffusion against the peak threshold, a line per pose (Fig. 6)."""
 
 from typing import Any
 
@@ -18,7 +18,8 @@ TICKS = 8
 def diffusion_error_curves(table: pd.DataFrame) -> Figure:
     """Panels, one per operator (columns) and number of views (rows), of one dataset.
 
-    Each has its own axis: operators differ in the size of their kernels, and their errors do not compare.
+    Each has its own axis: operators differ in the size of their kernels, and their errors do not compare. A
+    strip below each panel shows the missing surface.
 
     Parameters
     ----------
@@ -30,22 +31,24 @@ def diffusion_error_curves(table: pd.DataFrame) -> Figure:
     operators = order_methods(table["operator"])
     views = sorted(table["views"].unique())
     figure, grid = new_figure(
-        len(views),
+        2 * len(views),
         len(operators),
         3.5 * len(operators) + 1.0,
-        2.7 * len(views) + 0.5,
+        3.5 * len(views) + 0.5,
         sharex=True,
+        height_ratios=[3, 1] * len(views),
     )
     styles = series_styles(list(dict.fromkeys(table["source_pose"])))
-    for row, count in zip(grid, views, strict=True):
-        for axes, operator in zip(row, operators, strict=True):
+    for row, strips, count in zip(grid[::2], grid[1::2], views, strict=True):
+        for axes, strip, operator in zip(row, strips, operators, strict=True):
             part = table[(table["operator"] == operator) & (table["views"] == count)]
             _draw(axes, part, styles)
             suffix = f", {count} views" if len(views) > 1 else ""
             axes.set_title(f"{operator}{suffix}")
-            _missing(axes, part, label=axes is row[-1])
             axes.set_ylim(0, 1.06 * float(part["eq18"].max() or 1))
+            _missing(strip, part)
         row[0].set_ylabel("diffusion error, Eq. 18")
+        strips[0].set_ylabel("missing, %")
     thresholds = sorted(table["source_threshold"].unique())
     for axes in grid[-1]:
         if len(thresholds) <= TICKS:
@@ -67,18 +70,9 @@ def _draw(axes: Axes, part: pd.DataFrame, styles: dict[str, dict[str, Any]]) -> 
             axes.fill_between(curve.index, curve["min"], curve["max"], color=style["color"], alpha=0.13, lw=0)
 
 
-def _missing(axes: Axes, part: pd.DataFrame, label: bool) -> None:
-    """Missing share on a second axis: the mean over poses and their range."""
+def _missing(axes: Axes, part: pd.DataFrame) -> None:
+    """Missing share: the mean over poses and their range."""
     share = 100 * part.groupby("source_threshold")["source_missing"].agg(["mean", "min", "max"])
-    twin = axes.twinx()
-    twin.fill_between(share.index, share["min"], share["max"], color=QUIET, alpha=0.12, lw=0)
-    twin.plot(share.index, share["mean"], color=QUIET, lw=1.1, ls=(0, (4, 2)), marker="")
-    twin.set_ylim(0, max(50.0, 10 * np.ceil(float(share["max"].max() or 0) / 10)))
-    twin.grid(False)
-    twin.spines["right"].set_visible(label)
-    axes.set_zorder(twin.get_zorder() + 1)
-    axes.patch.set_visible(False)
-    if label:
-        twin.set_ylabel("missing surface, % (dashed)", color=QUIET)
-    else:
-        twin.tick_params(right=False, labelright=False)
+    axes.fill_between(share.index, share["min"], share["max"], color=QUIET, alpha=0.25, lw=0)
+    axes.plot(share.index, share["mean"], color=QUIET, lw=1.2, marker="")
+    axes.set_ylim(0, max(50.0, 10 * np.ceil(float(share["max"].max() or 0) / 10)))

@@ -1,4 +1,4 @@
-"""Error against missing surface: a dot per map, a line per method."""
+"""Error against missing surface: a dot per map, a line per method, a band over the seeds."""
 
 import numpy as np
 import pandas as pd
@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from reports.figures.style import as_label, legend_below, method_lines, new_figure, styled
 from reports.method_order import order_methods
+
+BAND = 40
+"""Places along the axis at which the band over the seeds is drawn."""
 
 
 @styled
@@ -17,7 +20,8 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
     ----------
     table
         Rows of kind ``"matching"``: columns ``dataset``, ``method``, ``source_missing``, ``target_missing``
-        (shares in [0, 1]) and ``geodesic_mean``. The line joins the medians of groups of equal size.
+        (shares in [0, 1]) and ``geodesic_mean``. The line joins the medians of groups of equal size. With
+        several seeds (column ``seed``), a band holds the lines that each seed gives by itself.
     """
     datasets = list(dict.fromkeys(table["dataset"]))
     methods = order_methods(table["method"])
@@ -34,6 +38,9 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
             error = part["geodesic_mean"].to_numpy()
             axes.plot(missing, error, ".", color=styles[name]["color"], alpha=0.7, markersize=8, mew=0)
             axes.plot(*_medians(missing, error), **styles[name], label=as_label(name))
+            if "seed" in part and part["seed"].nunique() > 1:
+                band = seed_band(missing, error, part["seed"].to_numpy())
+                axes.fill_between(*band, color=styles[name]["color"], alpha=0.15, lw=0)
         axes.set_title(dataset)
         axes.set_xlabel("missing surface, mean of both scans, %")
     grid[0][0].set_ylim(bottom=0)
@@ -43,6 +50,27 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
     handles, labels = grid[0][0].get_legend_handles_labels()
     legend_below(figure, handles, labels)
     return figure
+
+
+def seed_band(
+    missing: NDArray[np.float64], error: NDArray[np.float64], seeds: NDArray[np.integer]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Where the lines of single seeds lie.
+
+    Parameters
+    ----------
+    missing, error, seeds : (maps,)
+
+    Returns
+    -------
+    missing, low, high : (BAND,) float64
+        Least and greatest value of the seeds' lines where all of them are defined.
+    """
+    lines = [_medians(missing[seeds == seed], error[seeds == seed]) for seed in np.unique(seeds)]
+    start, end = max(x[0] for x, _ in lines), min(x[-1] for x, _ in lines)
+    at = np.linspace(start, max(start, end), BAND)
+    values = np.array([np.interp(at, *line) for line in lines])
+    return at, values.min(axis=0), values.max(axis=0)
 
 
 def _medians(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[list[float], list[float]]:

@@ -9,17 +9,21 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.figures.cloud_drawing import (
-    ERROR_CAP,
     ERROR_COLORS,
+    ERROR_NORM,
+    ERROR_TICKS,
     DrawnCloud,
     caption,
     error_colors,
     mark_landmarks,
     place_cloud,
 )
+from reports.figures.cloud_sheet import add_key
 from reports.figures.point_renderer import Camera, best_azimuth, fitted_cameras, look_from
-from reports.figures.style import HEADROOM, blank, new_figure, styled
+from reports.figures.style import CLOUD_INCHES, HEADROOM, blank, new_figure, styled
 
+KEY_ROOM = 0.35
+"""Inches for the key below."""
 PER_ROW = 5
 """Methods side by side before a new row begins."""
 
@@ -86,10 +90,10 @@ def method_comparison(pair: PairPicture, height: int = 420) -> Figure:
     source_camera, target_camera = (replace(camera, width=width) for camera in cameras)
     blocks = [pair.panels[i : i + PER_ROW] for i in range(0, len(pair.panels), PER_ROW)] or [()]
     columns = 1 + max(len(block) for block in blocks)
-    tall = 2.8
+    tall = CLOUD_INCHES
     wide = max(tall * width / height, 1.5)
     figure, grid = new_figure(
-        2 * len(blocks), columns, wide * columns + 0.6, 2 * (tall + 0.3) * len(blocks), HEADROOM
+        2 * len(blocks), columns, wide * columns + 0.6, 2 * (tall + 0.3) * len(blocks) + KEY_ROOM, HEADROOM
     )
     for axes in grid.flat:
         blank(axes)
@@ -102,6 +106,7 @@ def method_comparison(pair: PairPicture, height: int = 420) -> Figure:
         for axes, panel in zip(grid[2 * b : 2 * b + 2, 1:].T, block, strict=False):
             _panel(axes[0], axes[1], pair, panel, source_camera, target_camera)
     _colorbar(figure, grid)
+    add_key(figure)
     return figure
 
 
@@ -119,7 +124,9 @@ def _panel(
 
 
 def _colorbar(figure: Figure, grid: np.ndarray) -> None:
-    scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, ERROR_CAP), ERROR_COLORS)
+    scale = mpl.cm.ScalarMappable(ERROR_NORM, ERROR_COLORS)
     bar = figure.colorbar(scale, ax=grid[1].tolist(), shrink=0.7, aspect=28, pad=0.01, extend="max")
+    bar.set_ticks(list(ERROR_TICKS), labels=[f"{tick:g}" for tick in ERROR_TICKS])
+    bar.minorticks_off()
     bar.set_label("geodesic error × 100 / √area")
     bar.outline.set_visible(False)

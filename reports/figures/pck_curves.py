@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from reports.figures.style import as_label, legend_below, method_lines, new_figure, styled
 from reports.method_order import order_methods
 
+TICKS = (0.5, 1, 2, 5, 10, 25)
+
 
 @styled
 def pck_curves(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: NDArray[np.float64]) -> Figure:
@@ -19,7 +21,8 @@ def pck_curves(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: N
     curves
         ``curves[group][method]`` is (r,), the share of points in [0, 1] at each radius.
     radii : (r,)
-        Geodesic error x100 / sqrt(area).
+        Geodesic error x100 / sqrt(area), ascending. The axis is logarithmic, because good methods differ at
+        small radii alone; a radius of 0 is left out.
     """
     columns = min(4, len(curves))
     rows = -(-len(curves) // columns)
@@ -32,7 +35,11 @@ def pck_curves(curves: Mapping[str, Mapping[str, NDArray[np.float64]]], radii: N
                 axes.plot(radii, 100 * lines[name], **styles[name], label=as_label(name))
         axes.set_title(group)
         axes.set_ylim(0, 100)
-        axes.set_xlim(0, radii[-1])
+        axes.set_xscale("log")
+        axes.set_xlim(radii[radii > 0][0], radii[-1])
+        ticks = [value for value in TICKS if radii[radii > 0][0] <= value <= radii[-1]]
+        axes.set_xticks(ticks, [f"{value:g}" for value in ticks])
+        axes.minorticks_off()
     for number, axes in enumerate(grid.flat):
         axes.set_visible(number < len(curves))
         if number + columns >= len(curves):

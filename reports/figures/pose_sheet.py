@@ -16,6 +16,8 @@ from reports.figures.style import HEADROOM, blank, new_figure, styled
 
 CLAY = "#c7a88f"
 SAMPLES = 40_000
+MOST_STEPS = 200
+"""Points along an edge: a box of twelve faces is drawn by them, too."""
 
 
 @styled
@@ -66,14 +68,23 @@ def pose_sheet(
 
 
 def surface_points(shape: Shape, count: int = SAMPLES) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Some `count` points or more on a lattice in every face, and smooth normals there, both (n, 3)."""
-    steps = max(int(np.ceil(np.sqrt(count / len(shape.faces)))), 1)
+    """Some `count` points or more, as near each other on large faces as on small; smooth normals; (n, 3)."""
+    corners = shape.vertices[shape.faces]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    spacing = np.sqrt(2 * shape.area / count)  # two triangles of a lattice have a square's area
+    steps = np.clip(np.ceil(longest / spacing), 1, MOST_STEPS).astype(np.int64)
+    found = [_lattice(int(each)) for each in range(1, steps.max() + 1)]
+    alike = [np.flatnonzero(steps == k + 1) for k in range(len(found))]
+    faces = np.concatenate([np.repeat(ids, len(each)) for ids, each in zip(alike, found, strict=True)])
+    weights = np.concatenate([np.tile(each, (len(ids), 1)) for ids, each in zip(alike, found, strict=True)])
+    normals = vertex_normals(shape.vertices, shape.faces)[shape.faces[faces]]
+    return shape.at(faces, weights), unit_vectors(np.einsum("nc,ncd->nd", weights, normals))
+
+
+def _lattice(steps: int) -> NDArray[np.float64]:
+    """Barycentrics (steps^2, 3) of the centres of the equal triangles into which so many steps cut one."""
     i, j = (each.ravel() for each in np.meshgrid(np.arange(steps), np.arange(steps), indexing="ij"))
     upright = i + j < steps
     places = np.stack([i, j], axis=1) + 1 / 3
     places[~upright] = steps - places[~upright]  # the triangles between the others
-    lattice = np.column_stack([places, steps - places.sum(axis=1)]) / steps
-    faces = np.repeat(np.arange(len(shape.faces)), len(lattice))
-    weights = np.tile(lattice, (len(shape.faces), 1))
-    corners = vertex_normals(shape.vertices, shape.faces)[shape.faces[faces]]
-    return shape.at(faces, weights), unit_vectors(np.einsum("nc,ncd->nd", weights, corners))
+    return np.column_stack([places, steps - places.sum(axis=1)]) / steps

@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 
 from reports.figures.cloud_drawing import place_cloud
 from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
-from reports.figures.style import HEADROOM, QUIET, blank, new_figure, styled
-
-CLAY = "#9fb8d0"
+from reports.figures.style import CLAY, CLOUD_INCHES, HEADROOM, QUIET, blank, new_figure, styled
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,10 @@ class ScanView:
 
 @styled
 def scan_series(
-    rows: Sequence[tuple[str, Sequence[ScanView]]], up: int = 1, height: int = 360, inches: float = 2.3
+    rows: Sequence[tuple[str, Sequence[ScanView]]],
+    up: int = 1,
+    height: int = 360,
+    inches: float = CLOUD_INCHES,
 ) -> Figure:
     """Clouds side by side, one row per pose; what is seen through a hole is grey.
 

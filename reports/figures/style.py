@@ -7,19 +7,22 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from pathlib import Path
-from typing import Any, ParamSpec
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from datasets_gen.records import atomic_path
 from reports.method_order import METHODS, known_method, order_methods
 
 P = ParamSpec("P")
+T = TypeVar("T")
 
 HEADROOM = 0.16
 """Inches above the heads of pictures, for which the layout leaves no room: captions, second lines."""
@@ -31,6 +34,11 @@ QUIET = "#6e7781"
 GRID = "#e3e6e9"
 ABSENT = "#d9dcdf"
 """Points that a map says nothing about."""
+
+CLOUD_INCHES = 2.5
+"""Height of the tallest cloud of a figure that fits its clouds to their places."""
+CLAY = "#9fb8d0"
+"""Of clouds that show no values."""
 
 _SPARE = ["#882255", "#44aa99", "#ddcc77", "#332288", "#999933", "#aa4499", "#117733", "#661100"]
 _MARKERS = "osD^vP<>X*"
@@ -70,11 +78,11 @@ _SETTINGS: Any = {
 }
 
 
-def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Decorate a function that draws a figure: it sees the house style, its caller's is left alone."""
+def styled(draw: Callable[P, T]) -> Callable[P, T]:
+    """Decorate a function that draws: it sees the house style, its caller's is left alone."""
 
     @wraps(draw)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> T:
         with mpl.rc_context(_SETTINGS):
             return draw(*args, **kwargs)
 
@@ -156,7 +164,7 @@ def as_label(name: str) -> str:
 
 def series_styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Line colour and marker of each of several ordered series, such as poses."""
-    colors = [*METHODS.values(), *_SPARE]
+    colors = list(dict.fromkeys([*METHODS.values(), *_SPARE]))
     return {
         name: {"color": colors[i % len(colors)], "marker": _MARKERS[i % len(_MARKERS)]}
         for i, name in enumerate(names)
@@ -170,6 +178,12 @@ def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], 
     rows = -(-len(labels) // columns)
     figure.set_figheight(figure.get_figheight() + ENTRY_HEIGHT * max(rows - USUAL_ROWS, 0))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, title=title or None)
+
+
+def plain_numbers(axis: Axis) -> None:
+    """Write the ticks of a logarithmic axis as plain numbers: mathematical text is off."""
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def blank(axes: Axes) -> None:

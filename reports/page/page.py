@@ -1,5 +1,7 @@
 """From tables and pictures to the HTML page."""
 
+import re
+from base64 import b64encode
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -7,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from evaluation.results.origin import Origin
 from reports.figures.style import method_colors
-from reports.method_order import order_methods
+from reports.page.headline import headline, overall
+from reports.page.page_rows import pair_key
 from reports.tables.columns import (
     GROUP,
     LEADERBOARD,
-    NOTE,
-    PARTIAL,
     STABILITY,
     STABILITY_GROUP,
     Column,
@@ -21,21 +23,35 @@ from reports.tables.columns import (
     cell_text,
     filled_columns,
 )
-from reports.tables.completeness import unranked
+from reports.tables.leaderboard import RATES
 from reports.viewer.view_page import REGL, resource
 
 if TYPE_CHECKING:
     from reports.page.pictures import PagePicture
+    from reports.page.scan_choice import ScanChoice
+
+SCRIPTS = ("page_tools.js", "report.js", "board.js", "charts.js", "all_maps.js")
+"""In the order in which they build on each other."""
+OWN_TERMS = ("geodesic_mean", "flip_rate", "medial_mean", "eq18")
+"""Columns that the page explains in words of its own."""
+BIBTEX = """@misc{{medialbench,
+  title = {{medialbench: how well incomplete scans of deforming shapes can be matched}},
+  note = {{{note}}}
+}}
+@article{{berger2012nonrigid,
+  author = {{Berger, Matthew and Silva, Claudio T.}},
+  title = {{Nonrigid Matching of Undersampled Shapes via Medial Diffusion}},
+  journal = {{Computer Graphics Forum}},
+  volume = {{31}},
+  number = {{5}},
+  year = {{2012}}
+}}"""
 
 SECTIONS = ("missing", "pck", "stability", "pairs", "scans")
 """Where pictures may be on the page."""
 
 BOARD = tuple(column for column in LEADERBOARD if column.name not in ("maps", "missing"))
 """Columns of the leaderboard on the page, where every regime has a head of its own."""
-
-
-EXPLAINED = ("matched", NOTE, "overlap_iou", "spread", "missing", *PARTIAL)
-"""Columns that the page explains by what the tables say of them."""
 
 
 @dataclass
@@ -49,10 +65,15 @@ class PageData:
     table, leaderboard, stability, failures : DataFrame
     pictures : dict of lists
         By section.
+    drawn : dict of str to str
+        Name of the picture of a pair of scans, by `reports.page.page_rows.pair_key`.
     pairs_left_out : int
         Pairs of scans that were not drawn.
+    scans : list of ScanChoice
+    rows : str
+        What the scripts read, of `reports.page.page_rows.page_json`; empty without maps.
     aside : set of str
-        Names of the pictures of pairs whose views are in files of their own.
+        Names of the pictures of pairs, and of the scans, whose views are in files of their own.
     """
 
     info: Mapping[str, Any]
@@ -62,7 +83,10 @@ class PageData:
     stability: pd.DataFrame
     failures: pd.DataFrame
     pictures: "dict[str, list[PagePicture]]" = field(default_factory=dict)
+    drawn: dict[str, str] = field(default_factory=dict)
     pairs_left_out: int = 0
+    scans: "list[ScanChoice]" = field(default_factory=list)
+    rows: str = ""
     aside: set[str] = field(default_factory=set)
 
 
@@ -91,12 +115,15 @@ def render_page(data: PageData) -> str:
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["file"] = lambda picture: f"figures/{picture.name}"
-    board = data.leaderboard
+    board, experiment = data.leaderboard, _toml_like(data.settings)
+    name = re.sub(r"[^\w.-]+", "-", str(data.settings.get("name", "experiment"))).strip("-.") or "experiment"
     beyond = set(board.loc[board["beyond"], "method"]) if len(board) else set()
     template = environment.from_string(_resource("report.html.j2"))
     return template.render(
         style=_resource("report.css"),
-        script=_resource("report.js"),
+        scripts=[_resource(name) for name in SCRIPTS],
+        rows=data.rows,
+        scans=data.scans,
         regl=resource(REGL),
         viewer=resource("viewer.js"),
         viewer_style=resource("viewer.css"),
@@ -109,7 +136,8 @@ def render_page(data: PageData) -> str:
         colors=method_colors(data.leaderboard["method"]) if len(data.leaderboard) else {},
         board=blocks(data.leaderboard, BOARD, GROUP, "geodesic_mean", "regime"),
         board_columns=filled_columns(BOARD, data.leaderboard)[len(GROUP) :],
-        explained=EXPLAINED,
+        terms=terms(data),
+        examples=examples(data, beyond),
         stable=blocks(data.stability, STABILITY, STABILITY_GROUP, "eq18_relative", ""),
         stable_columns=filled_columns(STABILITY, data.stability)[1:] if len(data.stability) else [],
         pictures={name: data.pictures.get(name, []) for name in SECTIONS},
@@ -117,82 +145,74 @@ def render_page(data: PageData) -> str:
         left_out=data.pairs_left_out,
         failures=data.failures.to_dict("records"),
         run=list(flat(data.info)),
-        experiment=_toml_like(data.settings),
+        experiment=experiment,
+        toml_data=b64encode(experiment.encode()).decode(),
+        toml_name=f"{name}.toml",
+        title_name=name,
+        bibtex=BIBTEX.format(note=_tex(Origin.of_run(data.info).line)),
     )
 
 
-def overall(table: pd.DataFrame, beyond: Collection[str] = ()) -> list[dict[str, Any]]:
-    """Means of each method over all maps, the lowest error first.
+@dataclass(frozen=True)
+class ExampleMap:
+    """A map that the head of the page shows: the picture of its pair, and what it is."""
 
-    Those with incomplete maps come after the others, those beyond competition last.
-    """
-    maps = table[table["kind"] == "matching"]
-    rows, notes = [], unranked(maps)
-    for method in order_methods(maps["method"]):
-        part = maps[maps["method"] == method]
-        flips = part["flipped"].astype(float)
-        rows.append(
-            {
-                "method": method,
-                "mean": float(part["geodesic_mean"].mean()),
-                "median": float(part["geodesic_median"].mean()),
-                "auc": float(part["pck_auc"].mean()),
-                "flips": None if flips.isna().all() else 100 * float(flips.mean()),
-                "maps": len(part),
-                "matched": 100 * float(part["matched"].mean()) if "matched" in part else float("nan"),
-                "beyond": method in beyond,
-                "note": notes.get(method, ""),
-            }
+    name: str
+    words: str
+
+
+def examples(data: PageData, beyond: Collection[str] = ()) -> list[ExampleMap]:
+    """The best and the worst map of the first method, among the pairs that were drawn."""
+    drawn = {picture.name: picture for picture in data.pictures.get("pairs", [])}
+    ranking = [row for row in overall(data.table, beyond) if not row["beyond"] and not row["note"]]
+    if len(drawn) < 2 or not ranking:
+        return []
+    method = ranking[0]["method"]
+    maps = data.table[(data.table["kind"] == "matching") & (data.table["method"] == method)]
+    names = maps.apply(lambda row: data.drawn.get(pair_key(row), ""), axis=1)
+    maps = maps.assign(picture=names)[names.isin(list(drawn))].dropna(subset=["geodesic_mean"])
+    if len(maps) < 2:
+        return []
+    maps = maps.sort_values("geodesic_mean", kind="stable")
+    return [
+        ExampleMap(
+            str(row["picture"]),
+            f"{word} of the drawn maps of {method}: {drawn[row['picture']].title}, {row['regime']}, "
+            f"mean error {row['geodesic_mean']:.1f}",
         )
-    return sorted(rows, key=lambda row: (row["beyond"], row["note"] != "", row["mean"]))
+        for word, row in (("best", maps.iloc[0]), ("worst", maps.iloc[-1]))
+    ]
 
 
-def _unranked(table: pd.DataFrame) -> dict[str, str]:
-    return unranked(table[table["kind"] == "matching"])
-
-
-def headline(table: pd.DataFrame, beyond: Collection[str] = ()) -> str:
-    """The main result in one sentence; empty if fewer than two methods compete with complete maps."""
-    table = table[~table["method"].isin([*beyond, *_unranked(table)])]
-    ranking = overall(table)
-    if len(ranking) < 2:
-        return ""
-    first, second = ranking[0], ranking[1]
-    groups = table[table["kind"] == "matching"].groupby([*GROUP, "method"])["geodesic_mean"].mean()
-    winners = groups.groupby(GROUP).idxmin().map(lambda key: key[-1])
-    won, won_second = (int((winners == row["method"]).sum()) for row in (first, second))
-    means = [f"{row['mean']:.1f}" for row in (first, second)]
-    if means[0] == means[1]:
-        return (
-            f"Over all maps, {first['method']} and {second['method']} have the same mean geodesic error, "
-            f"{means[0]} (× 100 / √area); of {len(winners)} groups of data set and regime, the first is the "
-            f"best in {won} and the second in {won_second}."
-        )
-    return (
-        f"Over all maps, {first['method']} has the lowest mean geodesic error, {means[0]} "
-        f"(× 100 / √area), ahead of {second['method']} with {means[1]}; it is the best in "
-        f"{won} of {len(winners)} groups of data set and regime."
-    )
+def terms(data: PageData) -> list[Column]:
+    """Columns of the tables that the glossary explains by what these say of them, each once."""
+    names = {*data.table.columns, *data.leaderboard.columns}  # any measure can be chosen in the leaderboard
+    shown = [c for c in LEADERBOARD if RATES.get(c.name, c.name) in names] if len(data.leaderboard) else []
+    shown += filled_columns(STABILITY, data.stability)
+    return list({c.name: c for c in shown if c.about and c.name not in OWN_TERMS}.values())
 
 
 def facts(data: PageData) -> Iterator[tuple[str, str]]:
     """A few numbers for the head of the page."""
     table = data.table
     maps = table[table["kind"] == "matching"]
-    yield "data sets", str(table["dataset"].nunique())
-    yield "scans", str(pd.concat([table["source_scan"], table["target_scan"]]).nunique())
+    yield _fact(table["dataset"].nunique(), "data set")
+    yield _fact(pd.concat([table["source_scan"], table["target_scan"]]).nunique(), "scan")
     if len(maps):
-        yield "methods", str(maps["method"].nunique())
-        yield "maps", str(len(maps))
+        yield _fact(maps["method"].nunique(), "method")
+        yield _fact(len(maps), "map")
     points = sorted(table["n_points"].dropna().astype(int).unique())
     if points:
         yield "points per scan", f"{points[0]:,}" if len(points) == 1 else f"{points[0]:,} to {points[-1]:,}"
-    seeds = table["seed"].nunique()
-    yield "seed" if seeds == 1 else "seeds", str(seeds)
+    yield _fact(table["seed"].nunique(), "seed")
     if data.info.get("wall_seconds"):
         yield "last run", _duration(float(data.info["wall_seconds"]))
     if len(data.failures):
-        yield "failures", str(len(data.failures))
+        yield _fact(len(data.failures), "failure")
+
+
+def _fact(count: int, noun: str) -> tuple[str, str]:
+    return noun if count == 1 else f"{noun}s", f"{count:,}"
 
 
 def blocks(
@@ -251,6 +271,11 @@ def _toml_like(settings: Mapping[str, Any]) -> str:
     from evaluation.experiment.toml_tables import to_toml
 
     return to_toml(settings)
+
+
+def _tex(text: str) -> str:
+    """Text for a BibTeX field, without what would end or change it."""
+    return re.sub(r"[^\w .,:;()+-]", " ", text)
 
 
 def _share(value: Any, longest: Any) -> float:

@@ -20,8 +20,10 @@ from reports.figures.error_against_missing import error_against_missing
 from reports.figures.method_comparison import method_comparison
 from reports.figures.pair_pictures import PairMaker, pair_picture
 from reports.figures.pck_curves import pck_curves
+from reports.figures.result_figures import FILES, MAKERS, TITLES, has_figure
 from reports.figures.scan_series import ScanView, scan_series
 from reports.figures.style import save
+from reports.page.page_rows import mean_curves
 from reports.viewer.packing import packed
 from reports.viewer.pair_views import view_of_pair
 
@@ -130,6 +132,9 @@ def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: i
             found.append(
                 FigureJob("pck", f"PCK of {dataset}", partial(_pck, store, str(dataset), rows, folder))
             )
+        for name in TITLES:
+            if has_figure(name, store, maps):
+                found.append(FigureJob("pck", TITLES[name][0], partial(_beyond, name, store, maps, folder)))
     for dataset, rows in stable[stable["source_threshold"].notna()].groupby("dataset", sort=False):
         found.append(
             FigureJob("stability", f"Eq. 18 of {dataset}", partial(_stability, str(dataset), rows, folder))
@@ -142,8 +147,13 @@ def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: i
     for number, rows in enumerate(chosen_pairs(maps, pairs), start=1):
         first = rows.iloc[0]
         label = f"{first['dataset']}: {first['source_pose']} to {first['target_pose']}"
-        found.append(FigureJob("pairs", label, partial(_pair, maker, rows, f"pair-{number:03d}", folder)))
+        found.append(FigureJob("pairs", label, partial(_pair, maker, rows, picture_name(number), folder)))
     return found
+
+
+def picture_name(number: int) -> str:
+    """Of the picture of a pair, counted from 1 in the order of `chosen_pairs`."""
+    return f"pair-{number:03d}"
 
 
 def pair_groups(maps: pd.DataFrame) -> list[pd.DataFrame]:
@@ -200,16 +210,19 @@ def _missing(maps: pd.DataFrame, folder: Path) -> PagePicture:
 
 def _pck(store: ResultsStore, dataset: str, maps: pd.DataFrame, folder: Path) -> PagePicture:
     curves: dict[str, dict[str, np.ndarray]] = {}
-    for (regime, method), rows in maps.groupby(["regime", "method"], sort=False):
-        stack = [store.score(str(key))["curve"] for key in rows["score_key"]]
-        curves.setdefault(str(regime), {})[str(method)] = np.mean(stack, axis=0)
+    for (regime, method), curve in mean_curves(store, maps).items():
+        curves.setdefault(regime, {})[method] = curve
     about = "Share of points whose match lies within a radius, mean over maps."
     figure = pck_curves(curves, 100 * CURVE)
     return _saved(figure, folder, f"pck-{_file_name(dataset)}", f"PCK, {dataset}", about)
 
 
+def _beyond(name: str, store: ResultsStore, maps: pd.DataFrame, folder: Path) -> PagePicture:
+    return _saved(MAKERS[name](store, maps).figure, folder, FILES[name], *TITLES[name])
+
+
 def _stability(dataset: str, rows: pd.DataFrame, folder: Path) -> PagePicture:
-    about = "A line per pose; dashed and on the right axis, the missing surface."
+    about = "A line per pose; in the strip below, the missing surface, mean and range over poses."
     return _saved(diffusion_error_curves(rows), folder, f"stability-{_file_name(dataset)}", dataset, about)
 
 

@@ -1,5 +1,22 @@
 "use strict";
-/* The pairs of the page: one is shown at a time, in the viewer or as its still picture. */
+/* The pairs of the page: one is shown at a time, in the viewer or as its still picture; and the scans. */
+window.medialScenes = {};   // what the files of views/ put here
+
+/* A packed scene: from the page, or from a file beside it. */
+function packedScene(name, source) {
+  const here = document.getElementById(`scene-${name}`);
+  if (here) return Promise.resolve(here.textContent);
+  if (window.medialScenes[name]) return Promise.resolve(window.medialScenes[name]);
+  if (!source) return Promise.reject(new Error("there is no view"));
+  return new Promise((resolve, reject) => {
+    const script = document.createElement("script");
+    script.src = source;
+    script.onload = () => resolve(window.medialScenes[name]);
+    script.onerror = () => reject(new Error(`${source} is missing`));
+    document.head.append(script);
+  });
+}
+
 (() => {
   const figures = [...document.querySelectorAll("figure.pair")];
   if (!figures.length) return;
@@ -7,7 +24,6 @@
   const select = element("pair"), worst = element("worst"), still = element("still"), filter = element("filter");
   const stage = element("viewer");
   let view = null, shown = null, turn = 0, broken = false;
-  window.medialScenes = {};   // what the files of views/ put here
 
   function listed() {
     const group = filter ? filter.value : "";
@@ -28,21 +44,6 @@
     show(list.includes(shown) ? shown : list[0]);
   }
 
-  /* Packed scene of a figure: from the page, or from a file beside it. */
-  function packed(figure) {
-    const { name, source } = figure.dataset, here = element(`scene-${name}`);
-    if (here) return Promise.resolve(here.textContent);
-    if (window.medialScenes[name]) return Promise.resolve(window.medialScenes[name]);
-    if (!source) return Promise.reject(new Error("this pair has no view"));
-    return new Promise((resolve, reject) => {
-      const script = document.createElement("script");
-      script.src = source;
-      script.onload = () => resolve(window.medialScenes[name]);
-      script.onerror = () => reject(new Error(`${source} is missing`));
-      document.head.append(script);
-    });
-  }
-
   function stills() {
     for (const figure of figures) figure.hidden = figure !== shown || !(still.checked || broken);
     stage.hidden = still.checked || broken;
@@ -60,7 +61,7 @@
     stills();
     const mine = ++turn;
     try {
-      const scene = await MedialView.decode(await packed(figure));
+      const scene = await MedialView.decode(await packedScene(figure.dataset.name, figure.dataset.source));
       if (mine !== turn) return;
       if (view) view.destroy();
       view = window.view = MedialView.mount(stage, scene, { failed: () => { broken = true; stills(); } });
@@ -81,6 +82,19 @@
   worst.addEventListener("change", fill);
   still.addEventListener("change", stills);
   if (filter) filter.addEventListener("change", fill);
+  window.openPair = (name) => {
+    const figure = figures.find((each) => each.dataset.name === name);
+    if (!figure) return;
+    if (filter) filter.value = "";
+    seen.disconnect();
+    shown = figure;
+    turn += 1;
+    fill();
+    element("pairs").scrollIntoView();
+  };
+  for (const link of document.querySelectorAll("[data-open]")) {
+    link.addEventListener("click", (event) => { event.preventDefault(); window.openPair(link.dataset.open); });
+  }
   const wanted = new URLSearchParams(location.hash.slice(1)).get("pair");
   shown = figures.find((figure) => figure.dataset.name === wanted) || null;
   stage.textContent = "The clouds are read when they come into view ...";
@@ -93,4 +107,28 @@
     for (const figure of figures) figure.hidden = false;
     for (const image of document.images) image.loading = "eager";
   });
+})();
+
+/* Scans, with a slider for the threshold; the picture below shows the same where there is no WebGL. */
+(() => {
+  const select = document.getElementById("scan"), stage = document.getElementById("scan-viewer");
+  if (!select) return;
+  let view = null, turn = 0;
+  async function show() {
+    const mine = ++turn, option = select.selectedOptions[0];
+    try {
+      const scene = await MedialView.decode(await packedScene(option.value, option.dataset.source));
+      if (mine !== turn) return;
+      if (view) view.destroy();
+      view = window.scanView = MedialView.mount(stage, scene, { hash: false, failed: () => { stage.hidden = true; } });
+    } catch (error) {
+      stage.hidden = true;
+    }
+  }
+  select.addEventListener("change", show);
+  stage.textContent = "The scan is read when it comes into view ...";
+  const seen = new IntersectionObserver((entries) => {
+    if (entries.some((entry) => entry.isIntersecting)) { seen.disconnect(); show(); }
+  }, { rootMargin: "300px" });
+  seen.observe(stage);
 })();

@@ -10,7 +10,18 @@ from evaluation.results.origin import Origin, write_csv
 from evaluation.results.store import ResultsStore
 from reports.page.freshness import PAIRS, note_made
 from reports.page.page import PageData, render_page
-from reports.page.pictures import Drawing, drawn, figure_jobs, pair_groups
+from reports.page.page_rows import page_json, pair_key
+from reports.page.pictures import (
+    Drawing,
+    PagePicture,
+    chosen_pairs,
+    drawn,
+    figure_jobs,
+    pair_groups,
+    picture_name,
+    scan_views,
+)
+from reports.page.scan_choice import ScanChoice, scan_choices
 from reports.tables.columns import GROUP, LEADERBOARD, STABILITY, STABILITY_GROUP
 from reports.tables.formats import write_table
 from reports.tables.leaderboard import ceilings, leaderboard, stability_table, with_numpy_types
@@ -75,6 +86,11 @@ def build(
         if progress:
             progress(job.label, done + 1, len(todo))
     shown = len(data.pictures.get("pairs", []))
+    chosen = chosen_pairs(table[table["kind"] == "matching"], pairs)
+    data.drawn = {pair_key(rows.iloc[0]): picture_name(i) for i, rows in enumerate(chosen, start=1)}
+    if len(data.leaderboard) or len(data.stability):
+        data.rows = page_json(store, table, ceilings(store.settings), data.drawn)
+    data.scans = list(scan_choices(store, scan_views(table)))
     data.pairs_left_out = len(pair_groups(table[table["kind"] == "matching"])) - shown
     _write_views(data, folder / "views")
     index = folder / "index.html"
@@ -87,7 +103,8 @@ def build(
 def _write_views(data: PageData, folder: Path) -> None:
     """Views that would make the page heavy go into files, which set what the page asks for."""
     size = 0
-    for picture in data.pictures.get("pairs", []):
+    shown: list[PagePicture | ScanChoice] = [*data.pictures.get("pairs", []), *data.scans]
+    for picture in shown:
         size += len(picture.view)
         if picture.view and size > EMBEDDED:
             data.aside.add(picture.name)

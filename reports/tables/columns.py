@@ -12,6 +12,8 @@ from evaluation.results.outcome import printable
 GROUP = ["dataset", "regime"]
 NOTE = "note"
 """Column that says why a row does not compete; empty where it does."""
+UNBEATEN = "unbeaten"
+"""Column with the names of the columns in which nothing beats the row beyond noise; it is not shown."""
 STABILITY_GROUP = ["dataset", "views", "source_threshold"]
 
 
@@ -142,19 +144,24 @@ def cell_text(value: object, column: Column) -> str:
 
 
 def best_cells(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> set[tuple[int, str]]:
-    """(row, column) of the best values of each group; ties as shown share, equal values have none.
+    """(row, column) of the best values of each group.
 
-    Rows that do not compete, by their columns ``beyond`` and `NOTE`, are never the best.
+    With a column `UNBEATEN`, those that nothing beats beyond noise (`reports.tables.statistics.unbeaten`);
+    else the best as shown: ties share, equal values have none. Rows that do not compete, by their columns
+    ``beyond`` and `NOTE`, are never the best.
     """
-    found = set()
     rivals = table[~table["beyond"]] if "beyond" in table else table
     rivals = rivals[rivals[NOTE].isna()] if NOTE in rivals else rivals
+    if UNBEATEN in rivals:
+        shown = {column.name for column in columns}
+        return {(row, name) for row, names in rivals[UNBEATEN].items() for name in names & shown}
+    found = set()
     for _, rows in rivals.groupby(list(group), sort=False, dropna=False):
         for column in columns:
             values = rows[column.name].dropna()
             if column.best and len(values):
-                shown = values.astype(float).round(column.digits or 0)
-                limit = shown.min() if column.best == "low" else shown.max()
-                if shown.nunique() > 1:
-                    found |= {(row, column.name) for row in shown.index[shown == limit]}
+                rounded = values.astype(float).round(column.digits or 0)
+                limit = rounded.min() if column.best == "low" else rounded.max()
+                if rounded.nunique() > 1:
+                    found |= {(row, column.name) for row in rounded.index[rounded == limit]}
     return found

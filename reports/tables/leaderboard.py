@@ -8,14 +8,15 @@ import numpy as np
 import pandas as pd
 
 from reports.method_order import order_methods
-from reports.tables.columns import GROUP, LEADERBOARD, NOTE, PARTIAL, STABILITY
+from reports.tables.columns import GROUP, LEADERBOARD, NOTE, PARTIAL, STABILITY, UNBEATEN
 from reports.tables.completeness import unranked
+from reports.tables.statistics import unbeaten
 
 LITTLE_SHARED = 0.9
 """Share of source points with a counterpart below which a regime's scans share little surface."""
 
 
-_RATES = {"flip_rate": "flipped", "gross_rate": "gross"}
+RATES = {"flip_rate": "flipped", "gross_rate": "gross"}
 """Columns in per cent of the maps, and the truth values that they count."""
 
 
@@ -65,15 +66,15 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     Returns
     -------
     DataFrame
-        Columns of `LEADERBOARD`, of which `NOTE` says why a method is not ranked, and ``beyond``; empty if
-        nothing was matched. Those of `PARTIAL` are nan for
-        regimes under which more than `LITTLE_SHARED` of the source has a counterpart.
+        Columns of `LEADERBOARD`, of which `NOTE` says why a method is not ranked, ``beyond`` and `UNBEATEN`;
+        empty if nothing was matched. Those of `PARTIAL` are nan for regimes under which more than
+        `LITTLE_SHARED` of the source has a counterpart.
     """
     maps = _numeric(table[table["kind"] == "matching"])
     if maps.empty:
         return pd.DataFrame(columns=[column.name for column in LEADERBOARD])
     maps["missing"] = 50 * (maps["source_missing"] + maps["target_missing"])
-    for name, source in _RATES.items():
+    for name, source in RATES.items():
         maps[name] = 100 * pd.to_numeric(maps[source].astype("object"), errors="coerce")
     maps["eq18"] = _operator_error(maps, _numeric(table[table["kind"] == "stability"]))
     grouped = maps.groupby([*GROUP, "method"], sort=False)
@@ -94,9 +95,25 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     ]
     result = result.assign(_rank=rank, beyond=result["method"].isin(list(beyond)))
     result[NOTE] = pd.Series(notes, index=result.index, dtype=object)
+    result[UNBEATEN] = _unbeaten(maps, result)
     result["_last"] = result[NOTE].notna()
     result = result.sort_values(["_rank", "beyond", "_last", "geodesic_mean"], kind="stable")
-    return result[[*(c.name for c in LEADERBOARD if c.name in result), "beyond"]].reset_index(drop=True)
+    shown = [c.name for c in LEADERBOARD if c.name in result]
+    return result[[*shown, "beyond", UNBEATEN]].reset_index(drop=True)
+
+
+def _unbeaten(maps: pd.DataFrame, board: pd.DataFrame) -> "pd.Series[object]":
+    """For each row of a leaderboard the measures in which nothing beats its method beyond noise."""
+    measures = {c.name: (RATES.get(c.name, c.name), c.best == "low") for c in LEADERBOARD if c.best}
+    rivals = board[~board["beyond"] & board[NOTE].isna()]
+    groups = dict(iter(maps.groupby(GROUP, sort=False)))
+    found = pd.Series([frozenset[str]() for _ in board.index], index=board.index, dtype=object)
+    for key, rows in rivals.groupby(GROUP, sort=False):
+        group = groups[key]
+        best = unbeaten(group[group["method"].isin(rows["method"])], measures)
+        for i, method in rows["method"].items():
+            found[i] = frozenset(name for name, methods in best.items() if method in methods)
+    return found
 
 
 def stability_table(table: pd.DataFrame) -> pd.DataFrame:
@@ -120,13 +137,13 @@ def _numeric(rows: pd.DataFrame) -> pd.DataFrame:
     """A copy in which every measured column is a float; columns a run lacks are nan."""
     rows = rows.copy()
     measured = {c.name for c in (*LEADERBOARD, *STABILITY) if c.digits is not None}
-    for name in (measured - {"maps", "missing", "spread", "scans", *_RATES}) | {
+    for name in (measured - {"maps", "missing", "spread", "scans", *RATES}) | {
         "source_missing",
         "target_missing",
         "overlap",
     }:
         rows[name] = pd.to_numeric(rows[name], errors="coerce") if name in rows else np.nan
-    for name in _RATES.values():
+    for name in RATES.values():
         if name not in rows:
             rows[name] = None
     return rows

@@ -1,4 +1,4 @@
-"""Comparisons of methods on the same pairs of scans."""
+"""Comparisons of methods on the same pairs of poses, under the same regimes and seeds."""
 
 import itertools
 
@@ -7,18 +7,29 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from reports.tables.completeness import unmatched
+from reports.tables.nested_bootstrap import bootstrap_interval, nested_weights, resampled_weights
 
-PAIR = ["dataset", "regime", "source_pose", "target_pose"]
-"""What makes two maps comparable; seeds of one pair are averaged, since they are no independent pairs."""
+UNIT = ["dataset", "source_pose", "target_pose"]
+"""What makes two maps comparable and independent of others: a pair of poses."""
+NESTED = ["regime", "seed"]
+"""What is nested in a pair of poses: maps that differ in these alone are no independent pairs."""
+TIE = 0.05
+"""Differences below this, half of the last digit that tables show, are ties."""
+FEWEST = 6
+"""Pairs that differ from which a signed-rank test can reach p < .05."""
+COLUMNS = ("first", "second", "pairs", "difference", "low", "high", "wins", "ties", "p")
+
+Float = NDArray[np.float64]
 
 
 def paired_tests(table: pd.DataFrame, measure: str = "geodesic_mean") -> pd.DataFrame:
-    """For every two methods, whether one has the lower error on the pairs for which both have a map.
+    """For every two methods, how much lower one error is, on the maps that both have.
 
-    Methods whose maps leave points out are not compared (`reports.tables.completeness.unmatched`).
-
-    The Wilcoxon signed-rank test is two-sided and asks nothing of the errors' distribution; its p-values are
-    corrected for the number of comparisons by Holm's method.
+    The unit is the pair of poses; regimes and seeds are nested in it
+    (`reports.tables.nested_bootstrap`). Methods whose maps leave points out are not compared
+    (`reports.tables.completeness.unmatched`). The Wilcoxon signed-rank test over pairs of poses is two-sided
+    and asks nothing of the errors' distribution; its p-values are corrected for the number of comparisons by
+    Holm's method.
 
     Parameters
     ----------
@@ -30,34 +41,126 @@ def paired_tests(table: pd.DataFrame, measure: str = "geodesic_mean") -> pd.Data
     Returns
     -------
     DataFrame
-        ``first``, ``second`` (the lower median difference first), ``pairs``, ``difference`` (median of second
-        minus first), ``wins`` (share of pairs on which the first is lower), ``p`` (corrected; nan where there
-        are fewer than 6 pairs that differ).
+        ``first``, ``second`` (the one with the lower mean first), ``pairs`` of poses, ``difference`` (second
+        minus first, mean over pairs) with ``low`` and ``high`` of its 95 % interval (nan for one pair),
+        ``wins`` (pairs on which the first is lower), ``ties`` (pairs that differ by less than `TIE`), ``p``
+        (corrected; nan where there are fewer than `FEWEST` pairs that differ).
     """
     maps = table[table["kind"] == "matching"]
     maps = maps[~maps["method"].isin(list(unmatched(maps)))]
-    values = pd.to_numeric(maps[measure], errors="coerce")
-    wide = maps.assign(value=values).pivot_table("value", PAIR, "method", aggfunc="mean", dropna=False)
+    wide = _by_method(maps, measure)
     rows = []
     for a, b in itertools.combinations([str(name) for name in wide.columns], 2):
-        gap = (wide[b] - wide[a]).dropna().to_numpy()
-        if not len(gap):
-            continue
-        first, second, gap = (a, b, gap) if np.median(gap) >= 0 else (b, a, -gap)
-        rows.append(
-            (first, second, len(gap), float(np.median(gap)), float((gap > 0).mean()), signed_rank(gap))
-        )
-    result = pd.DataFrame(rows, columns=["first", "second", "pairs", "difference", "wins", "p"])
+        gap = (wide[b] - wide[a]).dropna()
+        if len(gap):
+            rows.append(_compared(a, b, gap))
+    result = pd.DataFrame(rows, columns=list(COLUMNS))
     result["p"] = holm(result["p"].to_numpy(float))
     return result.sort_values("difference", ascending=False, kind="stable").reset_index(drop=True)
 
 
+def _compared(
+    a: str, b: str, gap: "pd.Series[float]"
+) -> tuple[str, str, int, float, float, float, int, int, float]:
+    """A row of `paired_tests` from the gaps of all maps, b minus a."""
+    cells = _cells(gap.index)
+    values = gap.to_numpy(np.float64)
+    if nested_weights(cells) @ values < 0:
+        a, b, values = b, a, -values
+    mean = float(nested_weights(cells) @ values)
+    by_pair = unit_means(cells, values)
+    low, high = bootstrap_interval(mean, resampled_weights(cells) @ values, len(by_pair))
+    tied = np.abs(by_pair) < TIE
+    wins = int((by_pair[~tied] > 0).sum())
+    return a, b, len(by_pair), mean, low, high, wins, int(tied.sum()), signed_rank(by_pair)
+
+
+def nested_mean(maps: pd.DataFrame, measure: str) -> float:
+    """Mean over pairs of poses of the means over their regimes, of the means over seeds; nan for no value."""
+    values = pd.to_numeric(maps[measure], errors="coerce").to_numpy(np.float64, na_value=np.nan)
+    there = ~np.isnan(values)
+    if not there.any():
+        return float("nan")
+    cells = _cells(pd.MultiIndex.from_frame(maps.loc[there, [*UNIT, *NESTED]]))
+    return float(nested_weights(cells) @ values[there])
+
+
+def unit_means(cells: pd.DataFrame, values: Float) -> Float:
+    """Mean of each pair of poses over its regimes, of their means over seeds: (pairs,)."""
+    weights = nested_weights(cells)
+    units = cells["unit"].to_numpy()
+    total = np.bincount(units, weights * values)
+    return total / np.bincount(units, weights)
+
+
+def unbeaten(maps: pd.DataFrame, measures: dict[str, tuple[str, bool]]) -> dict[str, set[str]]:
+    """Methods of a group that nothing beats beyond noise, by measure; none where they are all alike.
+
+    A method is beaten where the 95 % interval of its paired difference to the one with the best mean excludes
+    0; with one pair of poses there is no interval, and none is beaten.
+
+    Parameters
+    ----------
+    maps
+        Rows of one group, of the methods that compete.
+    measures
+        Column of `maps` and whether lower is better, by name of the measure.
+
+    Returns
+    -------
+    dict of str to set of str
+    """
+    found: dict[str, set[str]] = {}
+    known: dict[tuple[int, ...], tuple[pd.DataFrame, Float]] = {}
+    for name, (column, low_is_better) in measures.items():
+        wide = _by_method(maps, column)
+        wide = wide.loc[:, wide.notna().any()]
+        if not low_is_better:
+            wide = -wide
+        if wide.shape[1] < 2:
+            continue
+        best = wide.mean().idxmin()
+        beaten = {str(other) for other in wide.columns.drop(best) if _beaten(wide[other] - wide[best], known)}
+        if beaten:
+            found[name] = {str(method) for method in wide.columns} - beaten
+    return found
+
+
+def _beaten(gap: "pd.Series[float]", known: dict[tuple[int, ...], tuple[pd.DataFrame, Float]]) -> bool:
+    """Whether gaps are above 0 beyond noise; `known` keeps the resamples of the same maps."""
+    there = np.flatnonzero(gap.notna())
+    if not len(there):
+        return False
+    key, values = tuple(there.tolist()), gap.to_numpy(np.float64)[there]
+    if key not in known:
+        cells = _cells(gap.index[there])
+        known[key] = cells, resampled_weights(cells)
+    cells, drawn = known[key]
+    mean = float(nested_weights(cells) @ values)
+    return bootstrap_interval(mean, drawn @ values, cells["unit"].nunique())[0] > 0
+
+
+def _by_method(maps: pd.DataFrame, measure: str) -> pd.DataFrame:
+    """Values by pair of poses, regime and seed (rows) and method (columns)."""
+    values = pd.to_numeric(maps[measure].astype("object"), errors="coerce")
+    keys = [*UNIT, *NESTED]
+    return maps.assign(value=values).pivot_table("value", keys, "method", aggfunc="mean", dropna=False)
+
+
+def _cells(index: pd.Index) -> pd.DataFrame:
+    """Units, regimes and seeds of values as small whole numbers, for `nested_weights`."""
+    frame = index.to_frame(index=False)
+    unit = frame.groupby(UNIT, sort=False, dropna=False).ngroup()
+    inner = {name: pd.factorize(frame[name])[0] for name in NESTED}
+    return pd.DataFrame({"unit": unit.to_numpy(), **inner})
+
+
 def signed_rank(gaps: NDArray[np.float64]) -> float:
-    """Two-sided p-value of the Wilcoxon signed-rank test; nan for fewer than 6 gaps that are not 0."""
+    """Two-sided p-value of the Wilcoxon signed-rank test; nan for fewer than `FEWEST` gaps that are not 0."""
     from scipy.stats import wilcoxon
 
     gaps = gaps[gaps != 0]
-    return float(wilcoxon(gaps).pvalue) if len(gaps) >= 6 else float("nan")
+    return float(wilcoxon(gaps).pvalue) if len(gaps) >= FEWEST else float("nan")
 
 
 def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:

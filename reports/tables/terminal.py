@@ -31,9 +31,11 @@ MARK = "†"
 TESTS = (
     Column("first", "lower error"),
     Column("second", "than"),
-    Column("pairs", "pairs", 0),
-    Column("difference", "median difference", 2),
-    Column("wins", "better on %", 0),
+    Column("difference", "mean difference", 2),
+    Column("interval", "95 % interval"),
+    Column("pairs", "pose pairs", 0),
+    Column("wins", "better on", 0),
+    Column("ties", "tied on", 0),
     Column("p", "p (Wilcoxon, Holm)", 4),
 )
 
@@ -55,10 +57,15 @@ def leaderboard_lines(board: pd.DataFrame, width: int) -> Iterator[str]:
     notes = board[NOTE] if NOTE in board else pd.Series(None, board.index, dtype=object)
     marked = [f"{name} {MARK}" if note else name for name, note in zip(board["method"], notes, strict=True)]
     yield from _lines(board.assign(method=marked), columns, heads, best_cells(board, columns, GROUP))
-    yield "[dim]errors × 100 / √area of the rest pose; bold: the best of a group[/]"
+    yield "[dim]errors × 100 / √area of the rest pose; bold: not beaten beyond noise[/]"
     for head, name, note in zip(heads, board["method"], notes, strict=True):
         if note:
             yield f"[dim]{MARK} not ranked: {escape(printable(f'{head}, {name}: {note}'))}[/]"
+
+
+def interval_text(low: float, high: float, digits: int = 2) -> str:
+    """An interval as people read it; a dash where there is none."""
+    return "–" if low != low else f"{low:.{digits}f} to {high:.{digits}f}".replace("-", "−")
 
 
 def _fitting(filled: Sequence[Column], width: int) -> list[Column]:
@@ -75,8 +82,9 @@ def _fitting(filled: Sequence[Column], width: int) -> list[Column]:
 
 def tests_lines(tests: pd.DataFrame, measure: str, left_out: Mapping[str, str]) -> Iterator[str]:
     """Paired comparisons of methods, of `reports.tables.statistics.paired_tests`; and who was left out."""
-    yield from _lines(tests.assign(wins=100 * tests["wins"]), TESTS, None, set())
-    yield f"[dim]{measure}, on the pairs of scans for which both methods have a map; seeds averaged[/]"
+    interval = [interval_text(low, high) for low, high in zip(tests["low"], tests["high"], strict=True)]
+    yield from _lines(tests.assign(interval=interval), TESTS, None, set())
+    yield f"[dim]{measure}, on the maps that both methods have; a pair of poses is one piece of evidence[/]"
     for method, why in left_out.items():
         yield f"[dim]not compared: {escape(printable(f'{method}: {why}'))}[/]"
 

@@ -26,6 +26,8 @@ COLOURS = {
 }
 """Of the verdicts; told apart in greys and by the colour-blind too."""
 
+RIG_ZOOM = 1.15
+"""Of the drawing of the rig, whose corners are empty."""
 NEVER = "#d8d5cf"
 """Of pixels that no threshold accepts."""
 
@@ -170,7 +172,7 @@ def rig_panel(axes: Any, rig: Rig, view: int) -> None:
         axes.plot(*points[:, order].T, **style)
 
     step = max(1, len(rig.tracer.vertices) // 3000)
-    axes.scatter(*rig.tracer.vertices[::step, order].T, s=1, c="#9a9a9a", alpha=0.5, linewidths=0)
+    axes.scatter(*rig.tracer.vertices[::step, order].T, s=2, c="#6f7780", alpha=0.7, linewidths=0)
     eyes = rig.poses[:, :3, 3]
     axes.scatter(*eyes[:, order].T, c="#9db4d0", s=14)
     for number, eye in enumerate(eyes[:30, order]):
@@ -194,4 +196,6 @@ def rig_panel(axes: Any, rig: Rig, view: int) -> None:
     axes.set_title("the rig in mm", fontsize=11)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), fontsize=8.5, frameon=False)
     axes.set_aspect("equal")
+    spans = [float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
+    axes.set_box_aspect(spans, zoom=RIG_ZOOM)  # cameras stand far away: without it the object is tiny
     axes.tick_params(labelsize=7)

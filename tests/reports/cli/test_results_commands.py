@@ -59,7 +59,8 @@ def test_compare_shows_the_leaderboard_with_spread_and_tests(results):
     assert best[2:8] == wanted
     assert second[:2] == ["heat", "kernel"]
     tests = next(line for line in lines if line.startswith("medial diffusion  heat kernel"))
-    assert tests.split()[4:] == ["4", "6.00", "100", "–"]  # pairs, difference, wins; too few for a p-value
+    # difference, interval, pairs of poses, of which better and tied; too few for a p-value
+    assert tests.split()[4:] == ["6.00", "6.00", "to", "6.00", "2", "2", "0", "–"]
 
 
 def test_compare_needs_correspondences(tmp_path):

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from evaluation.results.store import ResultsStore
-from reports.page.page import headline, overall
+from reports.page.headline import headline, overall
 from reports.tables import terminal
 from reports.tables.columns import GROUP, LEADERBOARD, best_cells, filled_columns
 from reports.tables.completeness import unmatched, unranked
@@ -85,7 +85,7 @@ def test_no_wins_and_no_p_values_by_leaving_points_out(sly):
 def test_the_page_s_headline_is_about_methods_that_can_be_ranked(sly):
     assert [row["method"] for row in overall(sly)] == ["fair", "poor", "silent", "absent"]
     assert overall(sly)[2]["note"] == "matches 2 % of the points"
-    assert "fair has the lowest mean geodesic error" in headline(sly)
+    assert "The lowest mean geodesic error is that of fair" in headline(sly)
     assert headline(sly[sly["method"] != "poor"]) == ""
 
 

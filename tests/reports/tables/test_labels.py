@@ -5,6 +5,7 @@ import io
 import shutil
 import tomllib
 
+import numpy as np
 import pandas as pd
 import pytest
 from markdown_it import MarkdownIt
@@ -124,18 +125,17 @@ def test_terminal(label, results):
     assert len(widths) <= 1 or "汉" in label
 
 
-@pytest.mark.parametrize("label", [LABELS[4], LABELS[6], "_under", LINES])
-def test_the_report_and_its_figures(named, label):
-    page = Page(reports.build(named(label, label), pairs=1).read_text(encoding="utf-8"))
+@pytest.mark.parametrize(("label", "pairs"), [(LABELS[4], 1), (LABELS[6], 0), ("_under", 0), (LINES, 0)])
+def test_the_report_and_its_figures(named, label, pairs):
+    page = Page(reports.build(named(label, label), pairs=pairs).read_text(encoding="utf-8"))
     words = " ".join(" ".join(page.words).split())
     assert " ".join(cell_text(label, SAME).split()) in words
 
 
 def test_legends_show_names_with_an_underscore_and_dollars():
     curves = {"$g$": {"_mine": [0, 1], "$x$ and $\\bad$": [0, 1]}}
-    figure = pck_curves(
-        {g: {m: pd.Series(v).to_numpy() for m, v in each.items()} for g, each in curves.items()}, [0, 1]
-    )
+    lines = {g: {m: np.array(v) for m, v in each.items()} for g, each in curves.items()}
+    figure = pck_curves(lines, np.array([0.5, 1.0]))
     figure.canvas.draw()
     assert {text.get_text().lstrip("\u200b") for text in figure.legends[0].get_texts()} == set(curves["$g$"])
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports.tables.statistics import holm, paired_tests, signed_rank
+from reports.tables.statistics import holm, nested_mean, paired_tests, signed_rank, unbeaten
 
 
 def sweep(errors):
@@ -23,7 +23,8 @@ def test_a_method_that_always_wins_is_first_and_significant():
     found = paired_tests(sweep({"worse": values + 1, "better": values})).iloc[0]
     assert (found["first"], found["second"]) == ("better", "worse")
     assert found["difference"] == pytest.approx(1)
-    assert found["wins"] == 1
+    assert (found["wins"], found["ties"]) == (12, 0)
+    assert (found["low"], found["high"]) == pytest.approx((1, 1))  # the gap is 1 on every pair
     assert found["p"] == pytest.approx(2 / 2**12)  # the most extreme of all sign patterns, two-sided
 
 
@@ -41,6 +42,43 @@ def test_only_pairs_that_both_matched_count():
 def test_seeds_are_no_independent_pairs():
     table = pd.concat([sweep({"a": [1.0, 2], "b": [2.0, 3]}).assign(seed=s) for s in range(10)])
     assert paired_tests(table).iloc[0]["pairs"] == 2
+
+
+def test_regimes_of_a_pair_are_no_independent_pairs():
+    easy = sweep({"a": [1.0, 2], "b": [1.5, 3]})
+    table = pd.concat([easy, easy.assign(regime="hard", geodesic_mean=easy["geodesic_mean"] * 3)])
+    found = paired_tests(table).iloc[0]
+    assert found["pairs"] == 2
+    assert found["difference"] == pytest.approx((0.5 + 1 + 1.5 + 3) / 4)
+
+
+def test_seeds_that_one_regime_has_more_of_weigh_no_more():
+    maps = sweep({"a": [2.0, 4.0]})
+    more = pd.concat([maps, *(maps.assign(regime="hard", seed=s, geodesic_mean=10.0) for s in range(5))])
+    assert nested_mean(more, "geodesic_mean") == pytest.approx(((2 + 10) / 2 + (4 + 10) / 2) / 2)
+
+
+def test_gaps_below_the_digits_of_the_tables_are_ties():
+    found = paired_tests(sweep({"a": [1, 1, 1], "b": [1.04, 0.97, 1.2]})).iloc[0]
+    assert (found["wins"], found["ties"]) == (1, 2)
+
+
+def test_nothing_is_unbeaten_where_noise_decides():
+    rng = np.random.default_rng(0)
+    tables = [sweep({"a": rng.normal(5, 1, 8), "b": rng.normal(5, 1, 8)}) for _ in range(60)]
+    decided = [bool(unbeaten(table, {"error": ("geodesic_mean", True)})) for table in tables]
+    assert sum(decided) <= 8  # 5 % are to be expected; more than 8 of 60 happen once in 250 times
+
+
+def test_of_three_methods_the_two_that_cannot_be_told_apart_are_unbeaten():
+    base, wobble = np.linspace(4, 7, 8), np.array([0.1, -0.1] * 4)
+    table = sweep({"a": base, "b": base + wobble + 0.01, "c": base + 2 + wobble})
+    assert unbeaten(table, {"error": ("geodesic_mean", True)}) == {"error": {"a", "b"}}
+    assert unbeaten(table, {"score": ("geodesic_mean", False)}) == {"score": {"c"}}
+
+
+def test_one_pair_of_poses_decides_nothing():
+    assert unbeaten(sweep({"a": [1.0], "b": [9.0]}), {"error": ("geodesic_mean", True)}) == {}
 
 
 def test_one_method_has_nothing_to_be_compared_with():
