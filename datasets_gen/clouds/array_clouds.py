@@ -1,7 +1,7 @@
 """Clouds that NumPy has written: ``.npy`` with 3 or 6 columns, ``.npz`` with points and normals."""
 
 from io import BytesIO
-from typing import Any
+from typing import IO, Any
 from zipfile import ZipFile
 
 import numpy as np
@@ -17,6 +17,8 @@ from datasets_gen.values import real_array
 POINTS = ("points", "xyz", "vertices", "pos")
 NORMALS = ("normals", "normal", "vertex_normals")
 FACES = ("faces", "triangles")
+MOST_COLUMNS = 16
+"""Of a table of three or six rows; one with more is transposed."""
 
 
 def read_npy(content: bytes, where: str, columns: tuple[str, ...] = ()) -> PointCloud:
@@ -29,7 +31,7 @@ def read_npy(content: bytes, where: str, columns: tuple[str, ...] = ()) -> Point
     ValueError
         If the file is damaged.
     """
-    array = np.lib.format.read_array(BytesIO(content), allow_pickle=False)
+    array = _array(BytesIO(content), where)
     if array.dtype.names:
         names = [(as_names([name, "x"]) or [name])[0] for name in array.dtype.names]
         table = np.column_stack([_column(array[name], name) for name in array.dtype.names])
@@ -37,6 +39,10 @@ def read_npy(content: bytes, where: str, columns: tuple[str, ...] = ()) -> Point
     if array.ndim != 2 or array.shape[1] < 3:
         raise InputError(
             f"{where} holds an array of shape {array.shape}; give (n, 3), or (n, 6) with normals"
+        )
+    if array.shape[0] in (3, 6) and array.shape[1] > MOST_COLUMNS:
+        raise InputError(
+            f"{where} holds an array of shape {array.shape}; transpose it to (n, {array.shape[0]})"
         )
     table = real_array(array, where)
     rows = TextTable(table, np.arange(1, len(table) + 1), (), ())
@@ -89,7 +95,14 @@ def _named(file: ZipFile, names: dict[str, str], wanted: tuple[str, ...]) -> NDA
     if found is None:
         return None
     with file.open(found) as stream:
-        array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
-        if stream.read(1):
-            raise ValueError(f"{found} is longer than its header says")
+        return _array(stream, found)
+
+
+def _array(stream: IO[bytes], name: str) -> NDArray[Any]:
+    """All of a stored array, of numbers."""
+    array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
+    if stream.read(1):
+        raise ValueError(f"{name} is longer than its header says")
+    if array.dtype.kind not in "iufcSUV":
+        raise ValueError(f"{name} holds {array.dtype}, no numbers")
     return array

@@ -44,9 +44,12 @@ def read_pcd(content: bytes) -> PointCloud:
         points = int(_first(header, "WIDTH", "0")) * int(_first(header, "HEIGHT", "1"))
     if not 0 <= points <= LARGEST:
         raise ValueError(f"{points} points")
+    across = int(_first(header, "WIDTH", str(points))) * int(_first(header, "HEIGHT", "1"))
+    if across != points:
+        raise ValueError(f"POINTS {points}, but WIDTH x HEIGHT is {across}")
     storage = _first(header, "DATA", "").lower()
     if storage == "ascii":
-        columns, left = _ascii(body, fields, points)
+        columns, left = _ascii(body, fields, points, content[: len(content) - len(body)].count(b"\n") + 1)
     elif storage in ("binary", "binary_compressed"):
         columns, left = _binary(body, fields, points, storage == "binary_compressed")
     else:
@@ -91,29 +94,44 @@ def _fields(header: dict[str, list[str]]) -> list[PcdField]:
     counts = header.get("COUNT", ["1"] * len(names))
     if not len(names) == len(sizes) == len(kinds) == len(counts):
         raise ValueError("FIELDS, SIZE, TYPE and COUNT differ in number")
-    out = []
+    out = list[PcdField]()
     for name, size, kind, count in zip(names, sizes, kinds, counts, strict=True):
         if kind + size not in TYPES or not 0 <= int(count) <= 10_000:
             raise ValueError(f"field {name!r} has type {kind}, size {size} and count {count}")
         meaning = (as_names([name, "x"]) or [name])[0]
+        if meaning in (*POINT, *NORMAL) and any(each.name == meaning for each in out):
+            raise ValueError(f"FIELDS names {name!r} twice")
         out.append(PcdField(meaning, TYPES[kind + size], int(count)))
     return out
 
 
-def _ascii(body: bytes, fields: list[PcdField], points: int) -> tuple[dict[str, NDArray[np.float64]], int]:
-    rows = [words for words in map(bytes.split, body.splitlines()) if words]
+def _ascii(
+    body: bytes, fields: list[PcdField], points: int, first: int
+) -> tuple[dict[str, NDArray[np.float64]], int]:
+    """Columns of data in text, which begins at a line, and the number of bytes after them."""
+    lines = enumerate(map(bytes.split, body.splitlines()), first)
+    numbered = [(number, words) for number, words in lines if words]
+    rows = [words for _, words in numbered]
     width = sum(each.width for each in fields)
     if len(rows) < points:
         raise ValueError(f"{len(rows)} points where {points} should be")
-    short = next((k for k, row in enumerate(rows[:points]) if len(row) < width), None)
-    if short is not None:
-        raise ValueError(f"point {short + 1} has {len(rows[short])} numbers where {width} should be")
+    wrong = next((each for each in numbered[:points] if len(each[1]) != width), None)
+    if wrong is not None:
+        raise ValueError(f"line {wrong[0]}: {len(wrong[1])} numbers where {width} should be")
     out, place = {}, 0
     for each in fields:
         if each.width == 1 and each.name in (*POINT, *NORMAL):
-            out[each.name] = np.array([float(row[place]) for row in rows[:points]], dtype=np.float64)
+            out[each.name] = np.array([_number(row[place], line) for line, row in numbered[:points]], float)
         place += each.width
     return out, sum(len(word) for row in rows[points:] for word in row)
+
+
+def _number(word: bytes, line: int) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        said = word[:40].decode("latin-1")
+        raise ValueError(f"line {line}: {said!r} where a number should be") from None
 
 
 def _binary(

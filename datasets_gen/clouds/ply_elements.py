@@ -56,6 +56,7 @@ def read_elements(content: bytes) -> tuple[dict[str, PlyElement], int]:
     ValueError
         If the file is not as its header says.
     """
+    content = content.removeprefix(b"\xef\xbb\xbf")
     elements, order, start = _header(content)
     place = start if order else 0
     words = [] if order else _rows(content[start:])
@@ -81,9 +82,13 @@ def _header(content: bytes) -> tuple[list[PlyElement], str, int]:
             elements.append(PlyElement(name, int(count)))
             if int(count) < 0:
                 raise ValueError(f"{count} rows of kind {name!r}")
+            if any(each.name == name for each in elements[:-1]):
+                raise ValueError(f"the header has two elements {name!r}")
         elif words[0] == "property":
             is_list = words[1:2] == ["list"]
             length, kind = (TYPES[words[2]], TYPES[words[3]]) if is_list else ("", TYPES[words[1]])
+            if any(each.name == words[-1] for each in elements[-1].properties):
+                raise ValueError(f"the header names {words[-1]!r} of {elements[-1].name!r} twice")
             elements[-1].properties.append(Property(words[-1], kind, length))
     if order is None:
         raise ValueError("no line 'format ascii 1.0', or binary_little_endian, or binary_big_endian")
@@ -152,7 +157,10 @@ def _binary(element: PlyElement, content: bytes, place: int, order: str) -> int:
     kind = np.dtype(fields)
     end = place + kind.itemsize * element.count
     lists = [k for k, each in enumerate(element.properties) if each.length]
-    if end <= len(content) or not lists:
+    if end > len(content) and not lists:
+        there = (len(content) - place) // kind.itemsize
+        raise ValueError(f"{there} rows of kind {element.name!r} where {element.count} should be")
+    if end <= len(content):
         table = np.frombuffer(content, kind, element.count, place)
         if all((table[f"n{k}"] == sizes[k]).all() for k in lists):
             for k, each in enumerate(element.properties):
@@ -185,14 +193,19 @@ def _walked(element: PlyElement, content: bytes, place: int, order: str) -> int:
         raise ValueError(f"{element.count} rows of kind {element.name!r} do not fit into the file")
     lengths: list[list[int]] = [[] for _ in kinds]
     parts: list[list[NDArray[Any]]] = [[] for _ in kinds]
-    for _ in range(element.count):
+    for row in range(element.count):
         for k, (first, kind) in enumerate(kinds):
+            if place + first.itemsize > len(content):
+                raise ValueError(f"{row} rows of kind {element.name!r} where {element.count} should be")
             count = 1
             if element.properties[k].length:
                 count = int(np.frombuffer(content, first, 1, place)[0])
                 place += first.itemsize
-                if count < 0:
-                    raise ValueError(f"a list of {count} numbers")
+                if count < 0 or count * kind.itemsize > len(content) - place:
+                    raise ValueError(
+                        f"row {row + 1} of kind {element.name!r} has a list of {count} numbers, "
+                        "beyond the end of the file"
+                    )
             parts[k].append(np.frombuffer(content, kind, count, place))
             lengths[k].append(count)
             place += kind.itemsize * count

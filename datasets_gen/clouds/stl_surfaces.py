@@ -1,6 +1,7 @@
 """Triangles of an STL file, ascii or binary. It repeats every corner: equal ones become one vertex."""
 
 import re
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 from datasets_gen.clouds.point_cloud import PointCloud, counted
 
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+TEXT = re.compile(rb"[\r\n]\s*(facet\s+normal|endsolid)", re.IGNORECASE)
+"""In a file that begins with ``solid``, which binary ones may do, too."""
 HEADER = 84
 """Bytes before the facets of a binary file: a title and their number."""
 
@@ -22,7 +25,7 @@ def read_stl(content: bytes) -> PointCloud:
     """
     count = int.from_bytes(content[80:HEADER], "little") if len(content) >= HEADER else 0
     end = HEADER + count * FACET.itemsize
-    text = content[:200].lstrip()[:5].lower() == b"solid" and b"vertex" in content[:4000]
+    text = content[:200].lstrip()[:5].lower() == b"solid" and TEXT.search(content) is not None
     if text and len(content) != end:
         return _text(content)
     if len(content) < HEADER:
@@ -40,18 +43,36 @@ def read_stl(content: bytes) -> PointCloud:
 
 def _text(content: bytes) -> PointCloud:
     """Facets in text; several solids are one mesh."""
-    rows = re.findall(rb"^[ \t]*vertex[ \t]+(.*)$", content, re.MULTILINE | re.IGNORECASE)
-    facets = len(re.findall(rb"^[ \t]*facet\b", content, re.MULTILINE | re.IGNORECASE))
-    words = [row.split() for row in rows]
-    wrong = next((k for k, row in enumerate(words) if len(row) < 3), None)
-    if wrong is not None:
-        raise ValueError(f"vertex {wrong + 1} has {len(words[wrong])} numbers where three are needed")
+    lines = [(number, line.split()) for number, line in enumerate(content.splitlines(), 1)]
+    kinds = [(number, words[0].lower(), words[1:]) for number, words in lines if words]
+    rows = [finite_numbers(words, number) for number, kind, words in kinds if kind == b"vertex"]
+    facets = sum(kind == b"facet" for _, kind, _ in kinds)
     if len(rows) != 3 * facets:
         raise ValueError(f"{len(rows)} corners for {facets} facets")
-    points = np.array([[float(word) for word in row[:3]] for row in words]).reshape(-1, 3)
+    points = np.array(rows, dtype=np.float64).reshape(-1, 3)
     if b"endsolid" not in content.lower():
         raise ValueError("no line 'endsolid' at the end")
     return welded(points, "STL repeats the corners of each face")
+
+
+def finite_numbers(words: list[bytes], line: int) -> list[float]:
+    """The first three words of a line as numbers.
+
+    Raises
+    ------
+    ValueError
+        With the line, if there are fewer, or one is no finite number.
+    """
+    if len(words) < 3:
+        raise ValueError(f"line {line}: {len(words)} numbers where three are needed")
+    for word in words[:3]:
+        try:
+            finite = isfinite(float(word))
+        except ValueError:
+            finite = False
+        if not finite:
+            raise ValueError(f"line {line}: {word[:40].decode(errors='replace')!r} where a number should be")
+    return [float(word) for word in words[:3]]
 
 
 def welded(corners: NDArray[np.float64], why: str, faces: NDArray[np.int64] | None = None) -> PointCloud:

@@ -17,6 +17,8 @@ from datasets_gen.records import InputError
 
 UNIT = 0.02
 """How far from 1 the length of a normal may be: two decimals round by up to 0.009."""
+FEWEST_NUMBERED = 3
+"""Rows from which on a column that counts them is told from coordinates."""
 MOST = 0.9
 """Share of the rows that must have unit length; zero and NaN do not count, as some programs write them."""
 
@@ -102,6 +104,11 @@ def _told_by_content(table: TextTable, where: str) -> tuple[tuple[str, ...], lis
     numbers, width = table.numbers, table.numbers.shape[1]
     if width == 3:
         return POINT, []
+    if _counts_rows(numbers[:, 0]):
+        raise InputError(
+            f"{where}, line {_line(table, 0)}: the first of {width} columns counts the rows from "
+            f'{numbers[0, 0]:g} and may be no coordinate; {NAME_COLUMNS} as "- x y z" if it is none'
+        )
     if width == 4:
         return (*POINT, "intensity"), ["the fourth column is taken for an intensity and not used"]
     if width == 6:
@@ -121,6 +128,13 @@ def _told_by_content(table: TextTable, where: str) -> tuple[tuple[str, ...], lis
     raise InputError(
         f"{where}, line {_line(table, 0)}, has {width} columns, which can mean several things; "
         f'{NAME_COLUMNS} as "x y z nx ny nz"'
+    )
+
+
+def _counts_rows(column: Array) -> bool:
+    """Whether a column is 0, 1, 2 ... or 1, 2, 3 ..., as programs number points."""
+    return len(column) >= FEWEST_NUMBERED and any(
+        np.array_equal(column, np.arange(first, first + len(column))) for first in (0, 1)
     )
 
 

@@ -48,6 +48,7 @@ def read_table(path: Path, columns: int = 0) -> TextTable:
         With the line, for what is no table of numbers or can be read in two ways.
     """
     named, lines, remarks = _parts(path, _text(path))
+    _check_cells(path, lines)
     names: list[str] = []
     if lines and not _all_numbers(re.split(r"[\s,;]+", lines[0][1].strip(" \t,;"))):
         names = as_names(_quoted(lines[0][1]))
@@ -104,6 +105,16 @@ def _parts(path: Path, text: str) -> tuple[list[str], list[Line], list[str]]:
         elif plain.strip(",; \t"):
             lines.append((number, plain))
     return names, lines, []
+
+
+def _check_cells(path: Path, lines: list[Line]) -> None:
+    """Raise for a cell between separators that is empty: the numbers after it would move one column."""
+    for number, line in lines:
+        if re.search(r"[,;]\s*[,;]", line.strip(",; \t")):
+            raise InputError(
+                f"{str(path)!r}, line {number}, has an empty cell: {line[:40]!r}; "
+                "write nan in it, or remove the column"
+            )
 
 
 def _quoted(line: str) -> list[str]:

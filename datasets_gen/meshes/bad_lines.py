@@ -1,6 +1,7 @@
 """The first line of a mesh or cloud file in text that cannot be right: parsers say what, but not where."""
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -56,21 +57,25 @@ def bad_line(file: Path, thorough: bool = True) -> str:
 
 
 def _ply(content: bytes, thorough: bool) -> None:
-    head, end, body = content.partition(b"end_header")
+    content = re.sub(rb"\r\n?", b"\n", content.removeprefix(b"\xef\xbb\xbf"))
+    ended = re.search(rb"^[ \t]*end_header", content, re.MULTILINE)
+    head, end, body = (
+        (content, b"", b"") if ended is None else (content[: ended.start()], ended[0], content[ended.end() :])
+    )
     lines = head.splitlines()
     words = [line.split() or [b""] for line in lines]
     binary = [b"format", b"ascii"] not in [each[:2] for each in words]
     if binary and any(each[0] == b"format" for each in words):
         return
-    if words[:1] != [[b"ply"]]:
+    if not words or [each.lower() for each in words[0]] != [b"ply"]:
         raise _Fault("line 1 is not 'ply'")
     elements: list[_Element] = []
     for number, each in enumerate(words, 1):
         if each[0] == b"element":
-            elements.append(_Element(_text(each[1:2]), _integer(number, each[2:3], "a count")))
+            elements.append(_Element(_text(each[1:2]), _count(number, each[2:3])))
         elif each[0] == b"property":
             _add_property(number, each, elements)
-        elif each[0] not in (b"ply", b"format", b"comment", b"obj_info", b""):
+        elif each[0].lower() != b"ply" and each[0] not in (b"format", b"comment", b"obj_info", b""):
             raise _Fault(f"line {number}: {_text(each)!r} is no line of a header, which ends with end_header")
     if not end:
         raise _Fault(f"line {len(lines)}: the header does not end with end_header")
@@ -121,7 +126,7 @@ def _off(content: bytes, thorough: bool) -> None:
         raise _Fault(f"line {number}: the file does not begin with OFF")
     wide = 6 if words[0].upper().endswith(b"NOFF") else 3  # a normal beside each point
     number, words = (number, words[1:]) if len(words) > 1 else next(rows, (number, []))
-    vertices, faces = (_integer(number, words[k : k + 1], "a count") for k in range(2))
+    vertices, faces = (_count(number, words[k : k + 1]) for k in range(2))
     for k in range(vertices):
         number, words = rows.take(k, vertices, "vertex")
         if len(words) < wide:
@@ -194,6 +199,14 @@ def _integer(number: int, words: list[bytes], what: str) -> int:
         return int(words[0])
     except (ValueError, IndexError):
         raise _Fault(f"line {number}: {_text(words)!r} where {what} should be") from None
+
+
+def _count(number: int, words: list[bytes]) -> int:
+    """The one word as a number of rows."""
+    count = _integer(number, words, "a count")
+    if count < 0:
+        raise _Fault(f"line {number}: {count} where a count should be")
+    return count
 
 
 def _numbers(number: int, words: list[bytes]) -> None:

@@ -18,6 +18,8 @@ from evaluation.generation.sample_plan import SamplePlan, outlines, shard_ranges
 
 CODE = "evaluation.generation.sample_making"
 """Module whose code, with all that it imports, decides the samples."""
+MOST_SHARDS = 100_000
+"""Files of one folder, which file systems and loaders still take, and names of six digits."""
 FREE = ("name", "description", "timeout")
 """Settings that decide no sample."""
 
@@ -64,10 +66,15 @@ def make_generation_plan(config: GenerationConfig, samples: int, shard_size: int
     Raises
     ------
     InputError
-        If a data set cannot be used, or a number is less than 1.
+        If a data set cannot be used, a number is less than 1, or there would be too many shards.
     """
     check_count(samples, "number of samples")
     check_count(shard_size, "shard size")
+    if samples > MOST_SHARDS * shard_size:
+        raise InputError(
+            f"{samples:,} samples in shards of {shard_size:,} are more than {MOST_SHARDS:,} files; "
+            "ask for fewer, or for larger shards (--shard-size)"
+        )
     known = outlines(config)
     plan = SamplePlan(config, known)
     counts = plan.counts(samples)

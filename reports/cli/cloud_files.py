@@ -160,7 +160,7 @@ def read_content(path: Path, columns: str | None = None) -> "Scan | Shape | Poin
 
     file = checked_file(path, CLOUD_SUFFIXES)
     kind = file_kind(file) if file.suffix.lower() == ".npz" else ""
-    if kind in ("Matching", "Correspondence", "Diffusion", "Collection"):
+    if kind not in ("", "Scan", "Shape"):
         raise InputError(f"{str(path)!r} holds a {kind}, no cloud; give a scan, a cloud or a mesh")
     if kind:
         return Shape.load(file) if kind == "Shape" else Scan.load(file)
@@ -290,9 +290,9 @@ def check_finite(scan: "Scan", name: str) -> None:
 
 
 def file_kind(path: Path) -> str:
-    """What an ``.npz`` file of this project holds; anything unreadable is left to the loader to name."""
+    """What an ``.npz`` file of this project holds; empty for others, and for what the loader has to name."""
     try:
         with np.load(path, allow_pickle=False) as data:
-            return str(data["kind"])
+            return str(data["kind"]) if "meta" in data else ""  # else an array that a user calls so
     except Exception:
         return ""

@@ -69,11 +69,12 @@ def facts_of(
     Raises
     ------
     InputError
-        If there is no finite point.
+        If there is no finite point, or one beyond what can be computed with.
     """
     import numpy as np
 
     from datasets_gen import Shape
+    from datasets_gen.checks import LARGEST
     from datasets_gen.clouds.measures import measure_cloud
     from datasets_gen.clouds.mesh_measures import measure_mesh
     from datasets_gen.records import InputError
@@ -84,6 +85,8 @@ def facts_of(
     finite = points[np.isfinite(points).all(axis=1)]
     if not len(finite):
         raise InputError(f"{str(file)!r} has no points; give at least one")
+    if np.abs(finite).max() > LARGEST:
+        raise InputError(f"{str(file)!r} has a coordinate of {np.abs(finite).max():.3g}; choose larger units")
     facts: Facts = {"file": str(file), "kind": kind, "remarks": remarks}
     measured = measure_cloud(finite)
     facts["points"] = _plain(asdict(measured))

@@ -138,7 +138,7 @@ def test_pcd_copies_that_overlap_themselves(tmp_path):
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (pcd("ascii", BODIES["ascii"][:-11]), "point 4 has 5 numbers where 10 should be"),
+        (pcd("ascii", BODIES["ascii"][:-11]), "line 15: 5 numbers where 10 should be"),
         (pcd("ascii", b"1 2 3\n"), "1 points where 4 should be"),
         (pcd("binary", BODIES["binary"][:-1]), "139 bytes of points where 140 should be"),
         (pcd("binary_compressed", packed()[:-3]), "packed as"),

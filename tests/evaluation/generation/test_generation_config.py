@@ -6,6 +6,7 @@ from datasets_gen import InputError
 from evaluation.experiment.config_sections import DatasetSection
 from evaluation.generation import GenerationConfig
 from evaluation.generation.generation_config import generation_presets
+from evaluation.generation.generation_plan import make_generation_plan
 
 HUMAN = '[[dataset]]\nname = "human"\n'
 
@@ -84,3 +85,8 @@ def test_sections_are_those_of_experiments(tmp_path):
     config = GenerationConfig.load(path)
     assert config.dataset == (DatasetSection(name=str(tmp_path / "body"), poses=("a", "b")),)
     assert (config.name, config.scan.views, config.scan.points) == ("mine", "opposed", 2048)
+
+
+def test_more_shards_than_a_folder_takes_are_refused_before_they_are_counted():
+    with pytest.raises(InputError, match=r"99,999,999,999,999 samples.*--shard-size"):
+        make_generation_plan(GenerationConfig.load("quick"), 99_999_999_999_999, 100)

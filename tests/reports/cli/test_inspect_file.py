@@ -123,3 +123,13 @@ def test_files_that_cannot_be_read_are_one_line(tmp_path, scan_file):
     (tmp_path / "a.txt").write_text("1,5,2,5,3,5\n")
     fails(run("inspect", tmp_path / "a.txt"), "line 1, can be read in two ways")
     assert facts(tmp_path / "a.txt", "--columns", "x y z r g b")["points"]["points"] == 1
+
+
+def test_coordinates_beyond_what_can_be_computed_with_are_refused(tmp_path):
+    np.save(tmp_path / "a.npy", BALL * 1e160)
+    fails(run("inspect", tmp_path / "a.npy"), "has a coordinate of 1e+160", "choose larger units")
+
+
+def test_an_array_that_a_user_calls_kind_makes_no_record(tmp_path):
+    np.savez(tmp_path / "a.npz", points=BALL, kind="person")
+    assert facts(tmp_path / "a.npz")["points"]["points"] == len(BALL)
