@@ -49,7 +49,7 @@ def stability_error(reference, other, times):
     return total / (len(chosen) ** 2 * len(times))
 
 
-@pytest.mark.parametrize("points", [700, pytest.param(2000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("points", [700, pytest.param(2000, marks=[pytest.mark.slow, pytest.mark.long])])
 def test_default_settings_keep_the_value_of_equation_18(points):
     shapes = clouds.body(points), clouds.body(int(0.8 * points), holes=8)
     truth = [exact(*shape) for shape in shapes]

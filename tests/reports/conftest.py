@@ -161,3 +161,15 @@ def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     write_results(folder, subjects=("blob", "worm"), seeds=(0, 1))
     return folder
+
+
+@pytest.fixture
+def plain_figures(monkeypatch):
+    """Figures are drawn once, small, and PDFs are empty: for tests of what is around them."""
+
+    def save(figure, folder, name):
+        folder.mkdir(parents=True, exist_ok=True)
+        figure.savefig(folder / f"{name}.png", dpi=30)
+        (folder / f"{name}.pdf").write_bytes(b"%PDF-1.4")
+
+    monkeypatch.setattr("reports.page.pictures.save", save)

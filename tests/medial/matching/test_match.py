@@ -112,7 +112,7 @@ def test_landmarks_must_exist(shape):
 def test_a_cloud_smaller_than_the_samples(shape):
     few = np.random.default_rng(0).choice(len(shape), 90, replace=False)
     small = diffusion_of(shape.points[few], shape.normals[few], modes=20)
-    found = match(small, shape)
+    found = match(small, shape, MatchConfig.from_dict(QUICK))
     assert len(found) == 90
 
 

@@ -55,6 +55,7 @@ def test_spectrum_of_a_sparser_cloud():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_spectrum_from_5000_to_40000_points():
     clouds_by_size = {n: clouds.body(n) for n in (5000, 10_000, 20_000, 40_000)}
     made = {n: Diffusion.from_points(*cloud, modes=51) for n, cloud in clouds_by_size.items()}

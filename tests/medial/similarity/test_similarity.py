@@ -40,6 +40,7 @@ def test_equals_the_equations(holes, settings):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("holes", [0, 8])
 def test_equals_the_equations_at_2000_points(holes):
     points, normals = clouds.body(2000, holes=holes)

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from datasets_gen.records import InputError, load_record
 from medial.validation import unit_normals
 from scanner_sim import Scan
-from tests.reports.cli.command_line import FAST, fails, run
+from tests.reports.cli.command_line import FAST, SIZE, fails, run
 
 PLY = (
     "ply\nformat ascii 1.0\nelement vertex 2\n"
@@ -141,7 +141,7 @@ def test_symmetry_maps_a_cloud_to_itself_and_draws_it(scan_file, tmp_path):
 def test_departures_reach_operator_and_matcher(scan_file, tmp_path):
     out = tmp_path / "map.npz"
     for command in (("match", scan_file, scan_file), ("symmetry", scan_file)):
-        result = run(*command, "-o", out, *FAST, "--departures", "none")
+        result = run(*command, "-o", out, *SIZE, "--departures", "none")
         assert result.exit_code == 0, result.output
         config = load_map(out)[1]["config"]
         assert config["selection"] == "cost"

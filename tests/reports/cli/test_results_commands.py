@@ -21,6 +21,7 @@ def little(tmp_path_factory):
     return folder
 
 
+@pytest.mark.usefixtures("plain_figures")
 def test_report_ends_with_the_path_of_the_page(little, tmp_path):
     result = run("report", little, "-o", tmp_path / "out", "--pairs", "1", "-j", "1")
     assert result.exit_code == 0, result.output
@@ -30,6 +31,7 @@ def test_report_ends_with_the_path_of_the_page(little, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_report_with_several_processes_is_the_same(results, tmp_path):
     for jobs in (1, 2):
         result = run("report", results, "-o", tmp_path / str(jobs), "--pairs", "2", "-j", jobs, "-q")

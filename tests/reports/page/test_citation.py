@@ -3,6 +3,8 @@
 import json
 import re
 
+import pytest
+
 import reports
 from evaluation.results.store import write_json
 from tests.reports.conftest import write_results
@@ -15,6 +17,7 @@ def _citation(folder):
     return " ".join(re.search(r'<p class="cite" id="cite">(.*?)</p>', text, re.DOTALL)[1].split())
 
 
+@pytest.mark.usefixtures("plain_figures")
 def test_program_experiment_settings_and_seeds_are_named(tmp_path):
     store = write_results(tmp_path / "results")
     info = json.loads((store.folder / "run.json").read_text(encoding="utf-8"))
@@ -26,6 +29,7 @@ def test_program_experiment_settings_and_seeds_are_named(tmp_path):
     )
 
 
+@pytest.mark.usefixtures("plain_figures")
 def test_results_of_earlier_versions_lack_what_they_do_not_say(tmp_path):
     store = write_results(tmp_path / "results")
     assert _citation(store.folder).endswith("the method: medialbench.")

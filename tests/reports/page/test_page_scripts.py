@@ -54,13 +54,17 @@ def store(tmp_path_factory):
     return write_results(tmp_path_factory.mktemp("scripts") / "results")
 
 
-@pytest.fixture(scope="module", params=["1400,900", "390,800"], ids=["desk", "phone"])
-def answer(request, store, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("page")
-    index = reports.build(store.folder, folder / "report", pairs=2)
+@pytest.fixture(scope="module")
+def page(store, tmp_path_factory):
+    index = reports.build(store.folder, tmp_path_factory.mktemp("page"), pairs=2)
     asking = index.with_name("asking.html")
     asking.write_text(index.read_text().replace("</body>", f"{ASK}</body>"))
-    dom, complaints = opened(asking, folder, "", request.param)
+    return asking
+
+
+@pytest.fixture(scope="module", params=["1400,900", "390,800"], ids=["desk", "phone"])
+def answer(request, page, tmp_path_factory):
+    dom, complaints = opened(page, tmp_path_factory.mktemp("browser"), "", request.param)
     assert complaints == ""
     found = re.search(r'<pre id="answer">(.*?)</pre>', dom, re.DOTALL)
     assert found, dom[-2000:]

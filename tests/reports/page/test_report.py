@@ -48,7 +48,7 @@ def built(results, tmp_path_factory):
     return index, Page(index.read_text()), seen
 
 
-def test_the_page_explains_columns_for_scans_that_share_little_surface(tmp_path, built):
+def test_the_page_explains_columns_for_scans_that_share_little_surface(tmp_path, built, plain_figures):
     store = write_results(tmp_path / "results")
     partial(with_numpy_types(store.table())).to_parquet(store.folder / "table.parquet")
     index = reports.build(store.folder, pairs=0)
@@ -144,6 +144,7 @@ def test_progress_counts_to_the_end(built):
     assert [state[1] for state in seen] == list(range(1, total + 1))
 
 
+@pytest.mark.usefixtures("plain_figures")
 def test_failures_are_listed_with_their_reasons(tmp_path):
     write_results(
         tmp_path / "first", failures=[("k", "map", "blob rest to bent cpd", "error", "no <convergence>")]
@@ -156,6 +157,7 @@ def test_failures_are_listed_with_their_reasons(tmp_path):
     assert (folder / "report" / "index.html").is_file()  # the default place
 
 
+@pytest.mark.usefixtures("plain_figures")
 def test_a_run_without_matching_has_a_page(tmp_path):
     store = write_results(tmp_path)
     table = store.table()

@@ -125,6 +125,7 @@ def test_terminal(label, results):
     assert len(widths) <= 1 or "汉" in label
 
 
+@pytest.mark.usefixtures("plain_figures")
 @pytest.mark.parametrize(("label", "pairs"), [(LABELS[4], 1), (LABELS[6], 0), ("_under", 0), (LINES, 0)])
 def test_the_report_and_its_figures(named, label, pairs):
     page = Page(reports.build(named(label, label), pairs=pairs).read_text(encoding="utf-8"))

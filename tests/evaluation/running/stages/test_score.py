@@ -83,7 +83,7 @@ def test_without_the_mirror_map_nothing_is_said_of_mirror_images(human, pair):
 def test_points_without_a_match_cost_what_a_random_match_costs(human, pair):
     source, target = pair
     best = nearest(source.true_points, target.true_points)
-    drawn = np.random.default_rng(0).integers(800, size=(5, 800))
+    drawn = np.random.default_rng(0).integers(800, size=(3, 800))
     guesses = [scored(human, source, target, dense(each, np.ones(800))) for each in drawn]
     nothing = scored(human, source, target, dense(np.full(800, -1), np.ones(800)))
     for name in ("geodesic_mean", "excess_mean", "medial_mean", "medial_path_mean", "geodesic_median"):
