@@ -10,6 +10,7 @@ METHODS = {
     "functional": "#cc79a7",
     "cpd": "#e69f00",
     "geodesic": "#56b4e9",
+    "skeleton": "#a6761d",
     "rigid": "#8c8c8c",
     "truth": "#24292f",
 }

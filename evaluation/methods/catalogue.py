@@ -25,6 +25,7 @@ METHODS: dict[str, str] = {
     "geodesic-graph": "evaluation.methods.geodesic_graph:GeodesicGraph",
     "functional-maps": "evaluation.methods.functional:FunctionalMaps",
     "cpd": "evaluation.methods.cpd:CoherentPointDrift",
+    "skeleton": "evaluation.methods.skeleton_matching:SkeletonMatching",
     "external": "evaluation.methods.external:External",
 }
 """Name in tables and TOML files, and where the class is: imported only when it is used."""

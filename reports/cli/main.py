@@ -13,14 +13,18 @@ from reports.cli.console import Failure, Interrupted
 COMMANDS = {
     "doctor": "reports.cli.doctor:doctor",
     "datasets": "reports.cli.datasets:datasets",
+    "inspect": "reports.cli.inspect_file:inspect",
     "scan": "reports.cli.scan:scan",
     "match": "reports.cli.match:match",
     "symmetry": "reports.cli.symmetry:symmetry",
+    "skeleton": "reports.cli.skeleton:skeleton",
     "score": "reports.cli.score:score",
     "run": "reports.cli.run:run",
     "report": "reports.cli.report:report",
+    "figure": "reports.cli.figure:figure",
     "compare": "reports.cli.compare:compare",
     "merge": "reports.cli.merge:merge",
+    "generate": "reports.cli.generate:generate",
 }
 """Where each command is, in the order of the help page."""
 

@@ -137,8 +137,9 @@ def test_does_not_depend_on_where_the_target_lies_and_in_which_unit(name, method
         assert error_of(pair, after) < FINDS[name]
 
 
-MOVES = {"cpd": 0.1}
-"""Share of points that other axes may send elsewhere, where rounding decides which optimum is found."""
+MOVES = {"cpd": 0.1, "skeleton": 1.0}
+"""Share of points that other axes may send elsewhere, where rounding decides which optimum is found, or, at
+400 points, whether a skeleton's coarse graph has one node more."""
 
 FINDS = {
     "medial": 0.04,
@@ -149,6 +150,7 @@ FINDS = {
     "geodesic-graph": 0.18,
     "cpd": 0.09,
     "rigid": 0.08,
+    "skeleton": 0.15,
 }
 """Largest mean error of an easy pair; the nearest point of the right place has .021, a random one .39."""
 
