@@ -72,8 +72,8 @@ def skeleton_comparison(request: FigureRequest) -> MadeFigure:
     note = (
         f"{shapes[0].name} and {shapes[1].name}: {VIEWS} views, threshold {threshold:g}, at most {points:,} "
         f"points, seed {request.seed}; {100 * source.missing:.0f} and {100 * target.missing:.0f} % of the "
-        "surface are missing. Colours: the position of the source's points; the targets have those that a map "
-        "sends to them. "
+        "surface are missing. Colours: the position of the source's points; the targets have those that a "
+        "map sends to them. "
         "Errors: geodesic distance from the true place, x 100 / √area."
     )
     sheet = cloud_sheet(rows, key=[*SKELETON_KEY, NEAR, FAR, INNER, UNMATCHED], note=note)
