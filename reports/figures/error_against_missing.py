@@ -20,9 +20,11 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
     ----------
     table
         Rows of kind ``"matching"``: columns ``dataset``, ``method``, ``source_missing``, ``target_missing``
-        (shares in [0, 1]) and ``geodesic_mean``. The line joins the medians of groups of equal size. With
-        several seeds (column ``seed``), a band holds the lines that each seed gives by itself.
+        (shares in [0, 1]) and ``geodesic_mean``; at least one of `scored_maps`. The line joins the medians
+        of groups of equal size. With several seeds (column ``seed``), a band holds the lines that each seed
+        gives by itself.
     """
+    table = scored_maps(table)
     datasets = list(dict.fromkeys(table["dataset"]))
     methods = order_methods(table["method"])
     styles = method_lines(methods)
@@ -50,6 +52,12 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
     handles, labels = grid[0][0].get_legend_handles_labels()
     legend_below(figure, handles, labels)
     return figure
+
+
+def scored_maps(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows with a known error at a known missing share: what the figure can show."""
+    wanted = ["source_missing", "target_missing", "geodesic_mean"]
+    return table.dropna(subset=wanted) if set(wanted) <= set(table.columns) else table.iloc[:0]
 
 
 def seed_band(

@@ -177,14 +177,33 @@ def source_colors(source: PlacedScan, diffusion: Diffusion | None) -> NDArray[np
 
 def error_note(row: "pd.Series[Any] | Mapping[str, Any]") -> str:
     """A map's errors in a few words."""
-    words = f"mean {row['geodesic_mean']:.1f}, median {row['geodesic_median']:.1f}"
+    if pd.isna(row["geodesic_mean"]):
+        return "error unknown"
+    words = f"mean {row['geodesic_mean']:.1f}"
+    median = row.get("geodesic_median")
+    words += "" if pd.isna(median) else f", median {median:.1f}"
     return f"{words}, flipped" if row.get("flipped") is True or row.get("flipped") == 1 else words
 
 
+def scan_words(row: "pd.Series[Any]", side: str, scan: Scan) -> str:
+    """How a scan was made and what it lacks, in a few words.
+
+    Parameters
+    ----------
+    row
+        Of the results table.
+    side
+        ``"source"`` or ``"target"``.
+    scan
+        The cloud; one that was sampled has no threshold, whatever the experiment's default.
+    """
+    threshold, missing = row.get(f"{side}_threshold"), row.get(f"{side}_missing")
+    words = ["sampled"] if (scan.view_ids < 0).all() else [f"τ {threshold:g}"] if pd.notna(threshold) else []
+    return ", ".join([*words, *([f"{100 * missing:.0f} % missing"] if pd.notna(missing) else [])])
+
+
 def _cloud(row: "pd.Series[Any]", side: str, cloud: PlacedScan) -> DrawnCloud:
-    caption = (
-        f"{row[f'{side}_pose']}, τ {row[f'{side}_threshold']:g}, {100 * row[f'{side}_missing']:.0f} % missing"
-    )
+    caption = ", ".join(filter(None, [str(row[f"{side}_pose"]), scan_words(row, side, cloud.scan)]))
     return DrawnCloud(cloud.scan.points, cloud.scan.normals, caption)
 
 

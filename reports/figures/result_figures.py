@@ -11,7 +11,7 @@ from evaluation.metrics.correspondence import CURVE
 from evaluation.results.origin import Origin, write_csv
 from evaluation.results.store import ResultsStore
 from reports.figures.confidence_calibration import calibration_table, confidence_calibration
-from reports.figures.error_against_missing import error_against_missing
+from reports.figures.error_against_missing import error_against_missing, scored_maps
 from reports.figures.failure_rates import KINDS, failure_rates, rates_of_failure
 from reports.figures.figure_request import MadeFigure
 from reports.figures.pair_pictures import PairMaker
@@ -29,7 +29,10 @@ PAIR = ["dataset", "regime", "seed", "source_scan", "target_scan"]
 
 def _missing(_: ResultsStore, maps: pd.DataFrame) -> MadeFigure:
     columns = ["dataset", "regime", "method", "seed", "source_missing", "target_missing", "geodesic_mean"]
-    return MadeFigure(error_against_missing(maps), maps[columns], {})
+    scored = scored_maps(maps)
+    if scored.empty:
+        raise InputError("no map of these results has an error and a missing share; run them again")
+    return MadeFigure(error_against_missing(scored), scored[columns], {})
 
 
 def _pck(store: ResultsStore, maps: pd.DataFrame) -> MadeFigure:

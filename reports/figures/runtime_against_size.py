@@ -21,16 +21,17 @@ def runtimes(maps: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns ``what``, ``method``, ``n_points``, ``maps``, ``median``, ``low``, ``high`` in seconds.
+        Columns ``what``, ``method``, ``n_points``, ``maps``, ``median``, ``low``, ``high`` in seconds; empty
+        if nothing was timed.
     """
-    parts = []
+    names = ["what", "method", "n_points", "maps", "median", "low", "high"]
+    parts = [pd.DataFrame(columns=names)]
+    columns = {"count": "maps", "min": "low", "max": "high"}
     for column in [each for each in WHAT if each in maps]:
         grouped = maps.dropna(subset=[column]).groupby(["method", "n_points"], sort=True)[column]
         found = grouped.agg(["count", "median", "min", "max"]).reset_index()
-        parts.append(found.assign(what=column))
-    columns = {"count": "maps", "min": "low", "max": "high"}
-    table = pd.concat(parts, ignore_index=True).rename(columns=columns)
-    return table[["what", "method", "n_points", "maps", "median", "low", "high"]]
+        parts.append(found.rename(columns=columns).assign(what=column)[names])
+    return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
 
 
 @styled

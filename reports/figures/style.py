@@ -3,6 +3,7 @@
 import io
 import itertools
 import os
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
@@ -127,7 +128,8 @@ def save(
 
     The files are the same for the same figure: no dates are written.
     """
-    with mpl.rc_context(_SETTINGS):
+    with mpl.rc_context(_SETTINGS), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+", UserWarning)  # an emoji in a name is drawn as a box
         for suffix in formats:
             with atomic_path(Path(folder) / (name + suffix)) as temporary:
                 figure.savefig(temporary, dpi=dpi, **_OPTIONS[suffix])

@@ -99,15 +99,17 @@
     const notes = list.filter((m) => m.note && !m.beyond).map((m) => `† not ranked: ${m.name} ${m.note}.`);
     if (list.some((m) => m.beyond)) notes.push("‡ looks at the ground truth: no competitor.");
     const pairs = Page.distinct(selected().map(Page.unit)).length;
-    notes.unshift(`${pairs} ${pairs === 1 ? "pair" : "pairs"} of poses; regimes and seeds are averaged within each. Bold: what nothing beats beyond noise` +
-      (filters.seed.value || hidden.size ? " (not decided for a part of the seeds or methods)." : "."));
+    const decided = heads.some((c) => list.some((m) => isBest(m, c)));
+    notes.unshift(`${pairs} ${pairs === 1 ? "pair" : "pairs"} of poses; regimes and seeds are averaged within each. ` +
+      (filters.seed.value || hidden.size ? "Bold, what nothing beats beyond noise, is not decided for a part of the seeds or methods."
+        : decided ? "Bold: what nothing beats beyond noise." : "Nothing is bold: no method is beaten beyond noise."));
     element("board-notes").replaceChildren(...notes.map((note) => make("p", { class: "note", text: note })));
     return { list, heads };
   }
 
   const chosenName = () => Object.values(filters).map((s) => s.value).filter(Boolean).join("-").replace(/[^\w.-]+/g, "_") || "all";
   element("board-csv").addEventListener("click", () => {
-    const { list, heads } = draw(), quote = (s) => /[",\n]/.test(s) ? `"${s.replace(/"/g, '""')}"` : s;
+    const { list, heads } = draw(), quote = (s) => /[",\r\n]/.test(s) ? `"${s.replace(/"/g, '""')}"` : s;
     const lines = [[...heads.map((c) => c.title), "not ranked"], ...list.map((m) => [...heads.map((c) => c.name === "name" ? m.name : text(m, c)), m.note])];
     Page.download(`leaderboard-${chosenName()}.csv`, lines.map((line) => line.map(quote).join(",")).join("\n") + "\n", "text/csv");
   });

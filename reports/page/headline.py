@@ -1,5 +1,6 @@
 """The main result of a run: methods by mean error, and what the first is worth in one sentence."""
 
+import math
 from collections.abc import Collection
 from typing import Any
 
@@ -30,7 +31,7 @@ def overall(table: pd.DataFrame, beyond: Collection[str] = ()) -> list[dict[str,
     rows, notes = [], unranked(maps)
     for method in order_methods(maps["method"]):
         part = maps[maps["method"] == method]
-        flips = part["flipped"].astype(float)
+        flips = part["flipped"].astype(float) if "flipped" in part else pd.Series(dtype=float)
         rows.append(
             {
                 "method": method,
@@ -44,22 +45,24 @@ def overall(table: pd.DataFrame, beyond: Collection[str] = ()) -> list[dict[str,
                 "note": notes.get(method, ""),
             }
         )
-    return sorted(rows, key=lambda row: (row["beyond"], row["note"] != "", row["mean"]))
+    return sorted(
+        rows, key=lambda row: (row["beyond"], row["note"] != "", math.isnan(row["mean"]), row["mean"])
+    )
 
 
 def headline(table: pd.DataFrame, beyond: Collection[str] = ()) -> str:
-    """The main result in one sentence; empty if fewer than two methods compete with complete maps.
+    """The main result in one sentence; empty if fewer than two methods compete with complete, scored maps.
 
     The numbers are those of `reports.tables.statistics.paired_tests`, which ``medialbench compare`` prints.
     """
     matching = table[table["kind"] == "matching"]
     table = table[~table["method"].isin([*beyond, *unranked(matching)])]
-    ranking = overall(table)
-    if len(ranking) < 2:
+    ranking = [row for row in overall(table) if not math.isnan(row["mean"])]
+    names = {str(row["method"]) for row in ranking[:2]}
+    tests = paired_tests(table).to_dict("records") if len(names) == 2 else []
+    test = next((row for row in tests if {row["first"], row["second"]} == names), None)
+    if test is None:
         return ""
-    names = [str(row["method"]) for row in ranking[:2]]
-    tests = paired_tests(table)
-    test = next(row for row in tests.to_dict("records") if {row["first"], row["second"]} == set(names))
     first, second = test["first"], test["second"]
     mean = {str(row["method"]): f"{row['mean']:.1f}" for row in ranking}
     pairs = _counted(test["pairs"], "pair of poses", "pairs of poses")

@@ -12,11 +12,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from datasets_gen.fingerprints import digest
+from evaluation.experiment.config_sections import SURFACE
 from evaluation.metrics.correspondence import CURVE
 from evaluation.results.store import ResultsStore
 from evaluation.running.process import hold_interrupts
 from reports.figures.diffusion_error_curves import diffusion_error_curves
-from reports.figures.error_against_missing import error_against_missing
+from reports.figures.error_against_missing import error_against_missing, scored_maps
 from reports.figures.method_comparison import method_comparison
 from reports.figures.pair_pictures import PairMaker, pair_picture
 from reports.figures.pck_curves import pck_curves
@@ -126,8 +127,9 @@ def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: i
     """
     stable, maps = table[table["kind"] == "stability"], table[table["kind"] == "matching"]
     found = []
-    if not maps.empty:
+    if not scored_maps(maps).empty:
         found.append(FigureJob("missing", "error against missing surface", partial(_missing, maps, folder)))
+    if not maps.empty:
         for dataset, rows in maps.groupby("dataset", sort=False):
             found.append(
                 FigureJob("pck", f"PCK of {dataset}", partial(_pck, store, str(dataset), rows, folder))
@@ -177,7 +179,10 @@ def chosen_pairs(maps: pd.DataFrame, limit: int | None) -> list[pd.DataFrame]:
 
 
 def scan_views(table: pd.DataFrame) -> pd.DataFrame:
-    """Scans of the first seed at the most frequent views: dataset, pose, threshold, missing, views, key."""
+    """Scans of the first seed at the most frequent views: dataset, pose, threshold, missing, views, key.
+
+    Samples of a surface, which have no threshold, are no scans.
+    """
     columns = ["dataset", "pose", "threshold", "missing", "views", "seed", "key"]
     parts = []
     for side in ("source", "target"):
@@ -186,6 +191,7 @@ def scan_views(table: pd.DataFrame) -> pd.DataFrame:
         if set(wanted) <= set(table.columns):
             parts.append(table[wanted].set_axis(columns, axis=1))
     scans = pd.concat(parts).dropna(subset=["threshold", "key", "missing"]).drop_duplicates("key")
+    scans = scans[scans["views"] != SURFACE]
     if scans.empty:
         return scans
     usual = scans.groupby("dataset")["views"].agg(lambda views: views.mode().iloc[0])
@@ -252,9 +258,11 @@ def _pair(maker: PairMaker, rows: pd.DataFrame, name: str, folder: Path) -> Page
     found = _saved(
         method_comparison(pair_picture(pair)), folder, name, title, f"{first['regime']}{seed}.", group
     )
-    errors = [float(each.row["geodesic_mean"]) for each in pair.maps]
+    errors = [float(error) for each in pair.maps if pd.notna(error := each.row["geodesic_mean"])]
     return replace(
-        found, error=min(errors), view=packed(view_of_pair(pair, f"{title}, {first['regime']}{seed}"))
+        found,
+        error=min(errors, default=float("nan")),
+        view=packed(view_of_pair(pair, f"{title}, {first['regime']}{seed}")),
     )
 
 

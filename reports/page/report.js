@@ -28,7 +28,8 @@ function packedScene(name, source) {
   function listed() {
     const group = filter ? filter.value : "";
     const list = figures.filter((figure) => !group || figure.dataset.group === group);
-    if (worst.checked) list.sort((a, b) => Number(b.dataset.error) - Number(a.dataset.error));
+    const error = (figure) => { const value = Number(figure.dataset.error); return Number.isNaN(value) ? Infinity : value; };
+    if (worst.checked) list.sort((a, b) => (error(b) > error(a)) - (error(b) < error(a)));   // unknown ones first
     return list;
   }
 
@@ -38,7 +39,7 @@ function packedScene(name, source) {
     for (const figure of list) {
       const { title, caption, error, name } = figure.dataset, option = document.createElement("option");
       option.value = name;
-      option.textContent = `${title}, ${caption.replace(/\.$/, "")} (error ${Number(error).toFixed(1)})`;
+      option.textContent = `${title}, ${caption.replace(/\.$/, "")} (error ${Number.isNaN(Number(error)) ? "unknown" : Number(error).toFixed(1)})`;
       select.append(option);
     }
     show(list.includes(shown) ? shown : list[0]);

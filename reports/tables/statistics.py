@@ -76,7 +76,12 @@ def _compared(
 
 
 def nested_mean(maps: pd.DataFrame, measure: str) -> float:
-    """Mean over pairs of poses of the means over their regimes, of the means over seeds; nan for no value."""
+    """Mean over pairs of poses of the means over their regimes, of the means over seeds; nan for no value.
+
+    A column that `maps` lacks, as tables of earlier versions do, holds no value.
+    """
+    if measure not in maps:
+        return float("nan")
     values = pd.to_numeric(maps[measure], errors="coerce").to_numpy(np.float64, na_value=np.nan)
     there = ~np.isnan(values)
     if not there.any():

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reports.figures.pair_pictures import COUNTERPART, PlacedScan, StoredPair, error_note
+from reports.figures.pair_pictures import COUNTERPART, PlacedScan, StoredPair, error_note, scan_words
 from reports.viewer.scene import Scene, ViewCloud, ViewField, ViewMap
 from reports.viewer.views import signatures
 
@@ -25,7 +25,7 @@ def view_of_pair(pair: StoredPair, title: str) -> Scene:
                 name=str(first[f"{side}_pose"]),
                 points=placed.scan.points,
                 normals=placed.scan.normals,
-                caption=f"τ {first[f'{side}_threshold']:g}, {100 * first[f'{side}_missing']:.0f} % missing",
+                caption=scan_words(first, side, placed.scan),
                 colors=pair.colors if side == "source" else None,
                 color_label="medial centre (Eq. 9)" if diffusion is not None else "place",
                 centers=None if diffusion is None else diffusion.centers,

@@ -78,7 +78,7 @@ def test_pairs_of_a_store_show_every_method(results):
     rows = table[(table["kind"] == "matching") & (table["dataset"] == "blob") & (table["seed"] == 0)]
     pair = pair_picture(PairMaker(store).read(rows[rows["regime"] == "threshold 0.3"]))
     assert [panel.title for panel in pair.panels] == ["medial diffusion", "heat kernel"]
-    assert pair.source.caption == "rest, τ 0.3, 15 % missing"
+    assert pair.source.caption == "rest, sampled, 15 % missing"
     centers = 0.5 * pair.source.points  # what the stored operator holds
     low, high = np.quantile(centers, [0.01, 0.99], axis=0)
     assert np.allclose(pair.source_colors, position_colors(centers, low, high))

@@ -126,6 +126,7 @@ def test_eq18_is_that_of_the_evaluation(human, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_symmetries_have_a_body_with_a_part_of_its_own(tmp_path):
     made = make(7, dataset="human", poses=("walk",), points=3000)
     table = looked_at(7, made, tmp_path)
@@ -169,6 +170,7 @@ def test_matches_of_quadrupeds_have_an_inset_of_the_signature(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_heat_kernel_and_medial_diffusion_get_both_matchers(tmp_path):
     table = looked_at(11, make(11), tmp_path)
     assert table["panel"].nunique() == 8  # two operators, two matchers, source and target
