@@ -162,7 +162,10 @@ class ResultsStore(ResultFiles):
         """What a score task found: ``row`` and, for maps, ``curve``."""
         record = self.record("score", key)
         if record is None:
-            raise InputError(f"{str(self.folder)!r} holds no score {key!r}")
+            raise InputError(
+                f"{str(self.folder)!r} holds no score {key!r}, which its table names; the run's command makes "
+                "it again"
+            )
         return dict(record["info"])
 
     def collection(self, dataset: str) -> Collection:

@@ -165,17 +165,19 @@ def pair_groups(maps: pd.DataFrame) -> list[pd.DataFrame]:
 
 
 def chosen_pairs(maps: pd.DataFrame, limit: int | None) -> list[pd.DataFrame]:
-    """At most `limit` pairs, spread evenly over data sets and regimes; the first ones of each."""
+    """At most `limit` pairs: the one with the worst map, others spread evenly over data sets and regimes."""
     groups = pair_groups(maps)
     if limit is None or len(groups) <= limit:
         return groups
+    worst = int(np.argmax([rows["geodesic_mean"].astype(float).fillna(-1).max() for rows in groups]))
     seen: dict[tuple[str, str], int] = {}
     rank = []
-    for number, rows in enumerate(groups):
-        kind = (str(rows.iloc[0]["dataset"]), str(rows.iloc[0]["regime"]))
+    for number in sorted(range(len(groups)), key=lambda number: number != worst):
+        first = groups[number].iloc[0]
+        kind = (str(first["dataset"]), str(first["regime"]))
         seen[kind] = seen.get(kind, -1) + 1
-        rank.append((seen[kind], number))
-    return [groups[number] for number in sorted(number for _, number in sorted(rank)[:limit])]
+        rank.append((number != worst, seen[kind], number))
+    return [groups[number] for number in sorted(number for *_, number in sorted(rank)[:limit])]
 
 
 def scan_views(table: pd.DataFrame) -> pd.DataFrame:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -93,11 +94,19 @@ def build(
     data.scans = list(scan_choices(store, scan_views(table)))
     data.pairs_left_out = len(pair_groups(table[table["kind"] == "matching"])) - shown
     _write_views(data, folder / "views")
+    _remove_stale(folder, {*(p.name for p in data.pictures.get("pairs", [])), *(s.name for s in data.scans)})
     index = folder / "index.html"
     with atomic_path(index) as temporary:
         temporary.write_text(render_page(data), encoding="utf-8")
     note_made(store, folder, pairs)
     return index
+
+
+def _remove_stale(folder: Path, made: set[str]) -> None:
+    """Remove pictures and views of pairs and scans that an earlier report had and this one lacks."""
+    for file in [*folder.glob("figures/pair-*"), *folder.glob("views/*.js")]:
+        if file.stem not in made and re.fullmatch(r"(pair|scan)-\d+", file.stem):
+            file.unlink()
 
 
 def _write_views(data: PageData, folder: Path) -> None:

@@ -35,6 +35,7 @@ def test_a_body_is_mapped_to_its_mirror_side(human):
     assert np.median(found.confidence) > 0.5
 
 
+@pytest.mark.slow
 def test_a_scan_that_shows_front_and_back_alike_is_not_turned_front_to_back(human):
     """Seen from its left and from two sides behind and before, a body meets its mirror image turned round."""
     scan = sample(human["arms_up"], 4000, seed=0)

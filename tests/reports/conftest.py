@@ -163,13 +163,22 @@ def results(tmp_path_factory):
     return folder
 
 
+def save_plainly(figure, folder, name):
+    """A small picture, and an empty PDF."""
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / f"{name}.png", dpi=30)
+    (folder / f"{name}.pdf").write_bytes(b"%PDF-1.4")
+
+
 @pytest.fixture
 def plain_figures(monkeypatch):
     """Figures are drawn once, small, and PDFs are empty: for tests of what is around them."""
+    monkeypatch.setattr("reports.page.pictures.save", save_plainly)
 
-    def save(figure, folder, name):
-        folder.mkdir(parents=True, exist_ok=True)
-        figure.savefig(folder / f"{name}.png", dpi=30)
-        (folder / f"{name}.pdf").write_bytes(b"%PDF-1.4")
 
-    monkeypatch.setattr("reports.page.pictures.save", save)
+@pytest.fixture(scope="module")
+def plain_figures_of_module():
+    """The same for all tests of a module."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("reports.page.pictures.save", save_plainly)
+        yield

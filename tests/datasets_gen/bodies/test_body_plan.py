@@ -104,6 +104,7 @@ def test_poses_differ_from_one_another(name):
             assert np.linalg.norm(a - b, axis=1).max() > least
 
 
+@pytest.mark.slow
 @bodies
 def test_poses_hardly_cut_themselves(name):
     """Those of the newer families not at all."""

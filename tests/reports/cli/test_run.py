@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from tests.reports.cli.command_line import body, fails, run
 
 
@@ -78,6 +80,7 @@ def test_folders_without_results_are_refused(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("plain_figures")
 def test_a_run_ends_with_the_leaderboard_and_the_report_and_goes_on_from_what_is_stored(tmp_path):
     poses = tmp_path / "club"
     poses.mkdir()

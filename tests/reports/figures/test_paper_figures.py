@@ -148,6 +148,7 @@ def test_a_band_of_a_limb_is_taken_out():
     assert np.ptp(gone[:, 2]) < 0.5 * np.ptp(scan.points[:, 2])  # of one place along the body
 
 
+@pytest.mark.slow
 def test_matches_of_humans_show_pairs(human, tmp_path):
     table = looked_at(8, make(8, poses=("rest", "tpose")), tmp_path)
     assert set(table["panel"]) == {"pair 1 source", "pair 1 target"}

@@ -12,7 +12,7 @@ from tests.reports.conftest import write_results
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory):
+def built(tmp_path_factory, plain_figures_of_module):
     folder = tmp_path_factory.mktemp("results")
     write_results(folder)
     reports.build(folder, pairs=1)

@@ -31,7 +31,7 @@ def without_errors(table, methods=("heat kernel", "medial diffusion")):
     return table
 
 
-def test_a_table_of_an_earlier_version_has_a_page(tmp_path):
+def test_a_table_of_an_earlier_version_has_a_page(tmp_path, plain_figures):
     later = ["flipped", "matched", "pck_auc", "geodesic_median", "geodesic_symmetric_mean", "overlap_iou"]
     store = changed(tmp_path, lambda table: table.drop(columns=later))
     page = Page(reports.build(store.folder, pairs=0).read_text())
@@ -50,7 +50,7 @@ def test_a_method_without_errors_is_neither_first_nor_compared(tmp_path):
     assert headline(table) == ""
 
 
-def test_maps_without_errors_have_a_page_that_says_so(tmp_path):
+def test_maps_without_errors_have_a_page_that_says_so(tmp_path, plain_figures):
     store = changed(tmp_path, without_errors)
     text = reports.build(store.folder, pairs=1).read_text()
     page = Page(text)

@@ -41,7 +41,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def built(results, tmp_path_factory):
+def built(results, tmp_path_factory, plain_figures_of_module):
     seen = []
     out = tmp_path_factory.mktemp("report")
     index = reports.build(results, out, pairs=3, progress=lambda *state: seen.append(state))
@@ -183,6 +183,17 @@ def test_pairs_left_out_are_spread_over_data_sets_and_regimes(results):
     kinds = {(rows.iloc[0]["dataset"], rows.iloc[0]["regime"]) for rows in chosen}
     assert len(kinds) == 4
     assert all(len(rows) == 2 for rows in chosen)  # both methods
+    worst = max(pair_groups(maps), key=lambda rows: rows["geodesic_mean"].max())
+    assert any(rows.equals(worst) for rows in chosen)
+    assert chosen_pairs(maps, 1)[0].equals(worst)
+
+
+@pytest.mark.usefixtures("plain_figures")
+def test_pictures_of_an_earlier_report_do_not_stay(tmp_path):
+    write_results(tmp_path / "results")
+    for pairs, left in ((2, 2), (1, 1)):
+        index = reports.build(tmp_path / "results", pairs=pairs)
+        assert len(list((index.parent / "figures").glob("pair-*.png"))) == left
 
 
 def test_scans_are_found_once_each(results):
