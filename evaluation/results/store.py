@@ -163,8 +163,8 @@ class ResultsStore(ResultFiles):
         record = self.record("score", key)
         if record is None:
             raise InputError(
-                f"{str(self.folder)!r} holds no score {key!r}, which its table names; the run's command makes "
-                "it again"
+                f"{str(self.folder)!r} holds no score {key!r}, which its table names; the run's command "
+                "makes it again"
             )
         return dict(record["info"])
 

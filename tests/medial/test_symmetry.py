@@ -57,6 +57,8 @@ def test_the_outer_half_has_the_limbs():
     assert outer[legs(figure().points)].mean() > 0.9
 
 
+@pytest.mark.slow
+@pytest.mark.long
 def test_a_ball_has_no_symmetry_to_be_sure_of():
     points, normals = sphere(400)
     found = intrinsic_symmetry(Diffusion.from_points(points, normals, modes=30))

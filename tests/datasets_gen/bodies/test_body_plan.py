@@ -75,6 +75,7 @@ def test_rest_pose_is_a_well_shaped_closed_surface_in_one_piece(name):
     assert np.bincount(rest.faces.ravel()).max() <= 12
 
 
+@pytest.mark.slow
 @bodies
 def test_poses_are_sound_and_keep_volume_area_and_lengths(name):
     body = load(name)

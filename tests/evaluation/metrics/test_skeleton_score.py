@@ -1,5 +1,7 @@
 """Skeletons against bones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -84,4 +86,4 @@ def test_bones_lie_within_the_posed_body(name, pose, tips):
 
 def test_bodies_without_bones_are_refused():
     with pytest.raises(InputError, match="the bones of 'torus' are not known; known are those of human"):
-        known_bones(load("torus"), load("torus").poses[0])
+        known_bones(replace(load("human"), subject="torus"), "rest")

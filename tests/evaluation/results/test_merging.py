@@ -20,6 +20,7 @@ def halves(tmp_path_factory):
     return get
 
 
+@pytest.mark.slow
 def test_two_machines_make_one_table_and_nothing_is_left_to_run(small, halves, tmp_path):
     made = halves(small)
     merged = merge_results([store.folder for store in made["stores"]], tmp_path / "both")

@@ -315,6 +315,7 @@ def launch(tmp_path, experiment, folder, jobs):
     )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_killed_runs_go_on_to_the_same_table(small, finished, tmp_path):
     made, folder = finished(small), tmp_path / "killed"

@@ -127,6 +127,8 @@ def test_unrelated_clouds_have_low_confidence(whole, other):
     assert np.mean(found.confidence > 0.5) < 0.2
 
 
+@pytest.mark.slow
+@pytest.mark.long
 def test_quick_maps_are_nearly_as_good(whole, truth):
     """Without fine deformation."""
     target, fine = whole
@@ -145,6 +147,8 @@ def test_spheres_end_undecided(operator):
     assert found.mirror_check == "undecided"
 
 
+@pytest.mark.slow
+@pytest.mark.long
 def test_a_torus_meets_itself_somewhere():
     """It may turn about its axis, but its surface is found."""
     source, target = (Diffusion.from_points(*torus(600, seed=k), modes=MODES) for k in (0, 1))
