@@ -293,9 +293,8 @@ def file_kind(path: Path) -> str:
     """What an ``.npz`` file of this project holds; empty for others, and for what the loader has to name."""
     try:
         with np.load(path, allow_pickle=False) as data:
-            kind = data["kind"]
             return (
-                str(kind) if "meta" in data and kind.ndim == 0 else ""
-            )  # else an array that a user calls so
+                str(data["kind"]) if "meta" in data and data["kind"].ndim == 0 else ""
+            )  # not a user's array
     except Exception:
         return ""
