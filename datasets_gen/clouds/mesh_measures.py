@@ -4,11 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from datasets_gen.checks import (
-    directed_edges,
     edge_face_counts,
     face_components,
     looks_inward,
@@ -16,6 +13,7 @@ from datasets_gen.checks import (
     winding_conflicts,
 )
 from datasets_gen.clouds.point_cloud import Array
+from datasets_gen.meshes.boundaries import boundary_rims
 from datasets_gen.meshes.geometry import face_areas, solid_faces
 
 Faces = NDArray[np.integer]
@@ -67,7 +65,8 @@ def measure_mesh(vertices: Array, faces: Faces) -> MeshMeasures:
     """Measure a mesh with ids of faces in range and finite vertices; it may have no face with area."""
     solid = faces[solid_faces(vertices, faces) & ~repeated_corners(faces)]
     distinct = np.unique(np.sort(faces, axis=1), axis=0)
-    rims, loops, caps = _rims(vertices, solid)
+    rims, rim_of = boundary_rims(solid)
+    caps = _cap_area(vertices, rims, rim_of)
     counts = edge_face_counts(solid) if len(solid) else np.zeros(0, np.int64)
     crowded, conflicts = int((counts > 2).sum()), winding_conflicts(solid) if len(solid) else 0
     area = float(face_areas(vertices, solid).sum())
@@ -80,7 +79,7 @@ def measure_mesh(vertices: Array, faces: Faces) -> MeshMeasures:
         len(vertices) - len(np.unique(faces)),
         len(np.unique(face_components(solid))) if len(solid) else 0,
         len(rims),
-        loops,
+        len(np.unique(rim_of)),
         crowded,
         conflicts,
         bool(len(solid)) and looks_inward(vertices, solid),
@@ -88,25 +87,16 @@ def measure_mesh(vertices: Array, faces: Faces) -> MeshMeasures:
     )
 
 
-def _rims(vertices: Array, faces: Faces) -> tuple[NDArray[np.int64], int, float]:
-    """Edges of one face, how many rims they make, and the area of flat caps over these."""
-    edges = directed_edges(faces)
-    if not len(edges):
-        return edges, 0, 0.0
-    _, index, counts = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    rims = edges[counts[index.ravel()] == 1]
+def _cap_area(vertices: Array, rims: NDArray[np.int64], rim_of: NDArray[np.int64]) -> float:
+    """Area of flat caps over rims; the cap of a rim that is not flat has this at least."""
     if not len(rims):
-        return rims, 0, 0.0
-    ids, compact = np.unique(rims, return_inverse=True)
-    ends = compact.reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(ids), len(ids)))
-    loops, label = connected_components(graph, directed=False)
-    of_edge = label[ends[:, 0]]
-    size = np.bincount(label, minlength=loops)
-    centre = np.zeros((loops, 3))
+        return 0.0
+    ids, first = np.unique(rims, return_index=True)
+    label = rim_of[first // 2]  # of each vertex
+    size = np.bincount(label)
+    centre, area = np.zeros((len(size), 3)), np.zeros((len(size), 3))
     np.add.at(centre, label, vertices[ids])
     centre /= size[:, None]
-    area = np.zeros((loops, 3))
-    a, b = (vertices[rims[:, k]] - centre[of_edge] for k in range(2))
-    np.add.at(area, of_edge, np.cross(a, b) / 2)  # the cap of a rim that is not flat has this at least
-    return rims, int(loops), float(np.linalg.norm(area, axis=1).sum())
+    a, b = (vertices[rims[:, k]] - centre[rim_of] for k in range(2))
+    np.add.at(area, rim_of, np.cross(a, b) / 2)
+    return float(np.linalg.norm(area, axis=1).sum())

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.clouds.point_cloud import PointCloud, counted
+from datasets_gen.meshes.geometry import first_at_places
 
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 TEXT = re.compile(rb"[\r\n]\s*(facet\s+normal|endsolid)", re.IGNORECASE)
@@ -87,11 +88,8 @@ def welded(corners: NDArray[np.float64], why: str, faces: NDArray[np.int64] | No
         Of the corners; three of them each by default.
     """
     faces = np.arange(len(corners)).reshape(-1, 3) if faces is None else faces
-    _, first, index = np.unique(corners, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
-    found = PointCloud(corners[first[order]], None, (), place[index.ravel()][faces].astype(np.int64))
+    kept, place = first_at_places(corners)
+    found = PointCloud(corners[kept], None, (), place[faces])
     if len(found) == len(corners):
         return found
     return found.remarked(f"{why}: {len(corners):,} welded to {counted(len(found), 'vertex', 'vertices')}")

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.checks import directed_edges, edge_face_counts, face_components, repeated_corners
+from datasets_gen.meshes.geometry import first_at_places
 from datasets_gen.records import InputError
 
 _log = logging.getLogger(__name__)
@@ -30,12 +31,9 @@ def weld(vertices: NDArray[np.floating], faces: NDArray[np.integer]) -> tuple[In
     faces : (f, 3)
         Of `kept`, without those that name a vertex twice.
     """
-    _, first, place = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    joined = rank[place.ravel()][faces]
-    return first[order], joined[~repeated_corners(joined)].astype(np.int64)
+    kept, place = first_at_places(vertices)
+    joined = place[faces]
+    return kept, joined[~repeated_corners(joined)]
 
 
 def uncrowded(faces: Ints) -> Ints:

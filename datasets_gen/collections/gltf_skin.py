@@ -11,6 +11,7 @@ from datasets_gen.checks import repeated_corners
 from datasets_gen.collections.gltf_buffers import GltfFile
 from datasets_gen.collections.gltf_motion import Changes, world_matrices
 from datasets_gen.collections.skinned import linear_blend_skinning
+from datasets_gen.meshes.geometry import first_at_places
 from datasets_gen.records import InputError
 
 Array = NDArray[np.float64]
@@ -245,18 +246,16 @@ def _welded(parts: list[_Part]) -> tuple[Ints, Ints, list[str]]:
         start += len(part.vertices)
     every, corners = np.concatenate(rows), np.concatenate(faces)
     used, corners = np.unique(corners, return_inverse=True)
-    _, first, place = np.unique(every[used], axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.argsort(order)
-    joined = rank[place.ravel()][corners.reshape(-1, 3)]
+    kept, place = first_at_places(every[used])
+    joined = place[corners.reshape(-1, 3)]
     flat_ones = repeated_corners(joined)
     counts = {
         "vertices belong to no face: dropped": start - len(used),
-        "vertices along seams of texture, normals or material: welded": len(used) - len(first),
+        "vertices along seams of texture, normals or material: welded": len(used) - len(kept),
         "faces name a vertex twice once welded: dropped": int(flat_ones.sum()),
     }
     told = [f"{count:,} {what}" for what, count in counts.items() if count]
-    return used[first[order]], joined[~flat_ones].astype(np.int64), told
+    return used[kept], joined[~flat_ones].astype(np.int64), told
 
 
 def _in_order(movers: Ints, weights: Array) -> Array:

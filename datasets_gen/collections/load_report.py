@@ -2,11 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from datasets_gen.checks import (
-    directed_edges,
     edge_face_counts,
     face_components,
     flat_faces,
@@ -14,6 +11,7 @@ from datasets_gen.checks import (
     repeated_corners,
     winding_conflicts,
 )
+from datasets_gen.meshes.boundaries import boundary_loops
 from datasets_gen.shape import Shape
 
 UNITS = ((0.5, 3.0, "m"), (50.0, 300.0, "cm"), (500.0, 3000.0, "mm"))
@@ -91,18 +89,6 @@ def size_of(shape: Shape) -> str:
         return f"diagonal {size:.3g} {shape.units}"
     guess = next((f"; perhaps {unit}" for low, high, unit in UNITS if low <= size <= high), "")
     return f"diagonal {size:.3g} of unknown units{guess}"
-
-
-def boundary_loops(faces: NDArray[np.integer]) -> list[int]:
-    """Number of edges of each connected boundary of faces (f, 3); empty for a closed mesh."""
-    edges, counts = np.unique(np.sort(directed_edges(faces), axis=1), axis=0, return_counts=True)
-    rim = edges[counts == 1]
-    if not len(rim):
-        return []
-    names, ends = np.unique(rim, return_inverse=True)
-    ends = ends.reshape(-1, 2)
-    graph = coo_array((np.ones(len(rim), dtype=np.int8), (ends[:, 0], ends[:, 1])), shape=(len(names),) * 2)
-    return np.bincount(connected_components(graph, directed=False)[1][ends[:, 0]]).tolist()
 
 
 def once(faces: NDArray[np.int32]) -> NDArray[np.int32]:

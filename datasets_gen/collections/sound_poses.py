@@ -15,7 +15,8 @@ from datasets_gen.checks import (
     winding_conflicts,
 )
 from datasets_gen.collections.closing import fill_holes
-from datasets_gen.collections.load_report import boundary_loops, mesh_report, once, size_of
+from datasets_gen.collections.load_report import mesh_report, once, size_of
+from datasets_gen.meshes.boundaries import boundary_loops
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 

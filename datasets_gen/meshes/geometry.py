@@ -4,7 +4,7 @@ trimesh has the same normals up to rounding (tested), but sums in another order,
 bits of bodies and scans; it has no winding number.
 """
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,27 @@ def face_normals(vertices: Array, faces: NDArray[np.integer]) -> Array:
 def face_areas(vertices: Array, faces: NDArray[np.integer]) -> Array:
     """Areas of the faces (f,), in squared units of the vertices (v, 3)."""
     return 0.5 * np.linalg.norm(scaled_face_normals(vertices, faces), axis=1)
+
+
+def first_at_places(rows: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The first of equal rows, such as vertices at one place.
+
+    Parameters
+    ----------
+    rows : (v, k)
+
+    Returns
+    -------
+    kept : (w,)
+        First row of each kind, ascending.
+    place : (v,)
+        Which of `kept` each row equals.
+    """
+    _, first, index = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return first[order].astype(np.int64), rank[index.ravel()].astype(np.int64)
 
 
 def solid_faces(vertices: Array, faces: NDArray[np.integer]) -> NDArray[np.bool_]:

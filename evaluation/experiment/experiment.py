@@ -16,8 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen.collections.layouts import is_data
-from datasets_gen.parsing import parsed_toml
-from datasets_gen.records import InputError
 from datasets_gen.registry import names
 from datasets_gen.values import check_count, check_seed
 from evaluation.experiment.config_sections import (
@@ -29,7 +27,7 @@ from evaluation.experiment.config_sections import (
     ScanCondition,
     StabilitySection,
 )
-from evaluation.experiment.presets import presets
+from evaluation.experiment.presets import preset_or_file, presets
 from evaluation.experiment.toml_tables import (
     dataclass_from_table,
     expect,
@@ -151,23 +149,7 @@ class Experiment:
         InputError
             If there is no such preset or file, or its contents cannot be used.
         """
-        path = Path(source)
-        known = presets()
-        if path.suffix != ".toml":
-            reject_unknown([str(source)], known, "experiment", "preset")
-            text, where, folder = known[str(source)].encode(), f"preset {str(source)!r}", None
-        else:
-            try:
-                text, where, folder = path.read_bytes(), repr(str(source)), path.parent
-            except OSError as error:
-                raise InputError(
-                    f"cannot read {str(source)!r}: {error.strerror}; presets: {', '.join(known)}"
-                ) from error
-        table = parsed_toml(text, where)
-        table.setdefault("name", path.stem)
-        if folder is not None:
-            locate(table, folder)
-        return cls.from_table(table, where)
+        return cls.from_table(*preset_or_file(source, presets(), "experiment", locate))
 
 
 def locate(table: dict[str, Any], folder: Path) -> None:

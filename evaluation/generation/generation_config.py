@@ -8,15 +8,12 @@ top.
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from importlib.resources import files
-from pathlib import Path
 from typing import Any, Literal
 
-from datasets_gen.parsing import parsed_toml
-from datasets_gen.records import InputError
 from datasets_gen.values import check_count, check_seed, check_types
 from evaluation.experiment.config_sections import SURFACE, DatasetSection, ScanCondition, as_sweep
 from evaluation.experiment.experiment import locate
+from evaluation.experiment.presets import packaged_toml, preset_or_file
 from evaluation.experiment.subject_plan import scanner_settings
 from evaluation.experiment.toml_tables import dataclass_from_table, expect, reject_unknown, to_toml
 from scanner_sim import ScannerConfig, presets
@@ -140,20 +137,7 @@ class GenerationConfig:
         InputError
             If there is no such preset or file, or its contents cannot be used.
         """
-        path, known = Path(source), generation_presets()
-        if path.suffix != ".toml":
-            reject_unknown([str(source)], known, "generation", "preset")
-            where = f"preset {str(source)!r}"
-            return cls.from_table({"name": path.name, **parsed_toml(known[str(source)], where)}, where)
-        try:
-            text, where = path.read_bytes(), repr(str(source))
-        except OSError as error:
-            raise InputError(
-                f"cannot read {str(source)!r}: {error.strerror}; presets: {', '.join(known)}"
-            ) from error
-        table = {"name": path.stem, **parsed_toml(text, where)}
-        locate(table, path.parent)
-        return cls.from_table(table, where)
+        return cls.from_table(*preset_or_file(source, generation_presets(), "generation", locate))
 
 
 def _scan_section(table: Any, where: str) -> ScanCondition:
@@ -165,7 +149,4 @@ def _scan_section(table: Any, where: str) -> ScanCondition:
 
 def generation_presets() -> dict[str, str]:
     """Text (TOML) of every packaged configuration, by name."""
-    found = [each for each in files("evaluation.generation").iterdir() if each.name.endswith(".toml")]
-    return {
-        each.name.removesuffix(".toml"): each.read_text(encoding="utf-8") for each in sorted(found, key=str)
-    }
+    return packaged_toml("evaluation.generation")

@@ -7,7 +7,8 @@ import pytest
 import trimesh
 
 from datasets_gen import load, write_mesh
-from datasets_gen.collections.load_report import boundary_loops, mesh_report
+from datasets_gen.collections.load_report import mesh_report
+from datasets_gen.meshes.boundaries import boundary_loops
 from tests.datasets_gen.collections.layout_files import egg
 from tests.datasets_gen.sample_meshes import box, shape
 
