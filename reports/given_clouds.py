@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen import InputError, Shape, as_shape
+from datasets_gen.clouds.cleaning import check_finite
 from datasets_gen.points.strays import stray_points
 from datasets_gen.values import check_count, check_seed, real_array
 from medial import Departures, Diffusion, MatchConfig, Matching
 from medial.matching.common_units import SETTINGS
-from reports.cli.cloud_files import ThinnedCloud, bare_scan, check_finite, read_cloud, with_normals
+from reports.cli.cloud_files import ThinnedCloud, bare_scan, read_cloud, with_normals
 from scanner_sim import Scan, sample
 
 ACCEPTED = "a Scan, an (n, 3) array, (points, normals), (vertices, faces), a path, a Shape or a Diffusion"
@@ -68,7 +69,7 @@ def as_cloud(
         cloud = sample(as_shape(given, strict=False), points, seed)
     else:
         cloud = _from_arrays(given, name)
-    check_finite(cloud, name)
+    check_finite(cloud.points, name)
     return with_normals(cloud, name, warn)
 
 

@@ -13,13 +13,10 @@ from scipy.spatial import cKDTree
 import medialbench as mb
 from datasets_gen import as_shape
 from datasets_gen.records import save_record
+from tests.little_matching import AS_OPTIONS, CHEAP
 
 SMALL = {"views": 4, "resolution": (60, 60), "stripes": 80}
 SIZE = {"modes": 30, "points": 400}
-LITTLE = {"finalists": 2, "restarts": 4, "partners": 2, "nodes": 40, "fine_nodes": 80, "samples": 200}
-LITTLE |= {"recombine": False, "both_ways": False, "rigid_starts": False}
-"""Settings of a third of the time: most tests ask what goes in and out, not how well it is matched."""
-CHEAP = mb.MatchConfig(**LITTLE)
 FAST = {**SIZE, "config": CHEAP}
 
 
@@ -62,10 +59,9 @@ def straight_errors(image, a, b, body):
 
 def test_it_imports_fast_and_without_heavy_libraries():
     code = (
-        "import sys, time; t = time.perf_counter(); import medialbench;"
-        "assert time.perf_counter() - t < 0.3;"
-        "heavy = ('numpy', 'scipy', 'numba', 'mitsuba', 'pandas', 'matplotlib', 'dask');"
-        "print([m for m in heavy if m in sys.modules])"
+        "import sys, time; t = time.perf_counter(); import medialbench;assert time.perf_counter() - t < "
+        "0.3;heavy = ('numpy', 'scipy', 'numba', 'mitsuba', 'pandas', 'matplotlib', 'dask');print([m for "
+        "m in heavy if m in sys.modules])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"
@@ -154,9 +150,7 @@ def test_maps_of_files_are_those_of_scans_and_of_the_command_line(scans, found, 
     assert np.array_equal(by_path.source_to_target, found.source_to_target)
     out = tmp_path / "map.npz"
     arguments = ["match", *map(str, files), "-o", str(out), "--modes", "30", "--points", "400"]
-    arguments += [
-        word for name, value in LITTLE.items() for word in ("--set", f"{name}={str(value).lower()}")
-    ]
+    arguments += AS_OPTIONS
     assert CliRunner().invoke(cli, arguments).exit_code == 0
     read = mb.Matching.load(out)
     for name in ("source_to_target", "confidence", "landmarks", "source_points", "target_points"):

@@ -1,10 +1,11 @@
-"""What can be put right in a cloud, each with a remark: points and normals that are no numbers."""
+"""What can be put right in a cloud, each with a remark, and what makes it unusable: numbers that are none."""
 
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets_gen.checks import LARGEST
 from datasets_gen.clouds.point_cloud import Array, PointCloud, counted
 from datasets_gen.points.missing_normals import filled_normals
 from datasets_gen.records import InputError
@@ -61,3 +62,22 @@ def with_sound_normals(cloud: PointCloud) -> PointCloud:
         )
     filled = filled_normals(cloud.points, cloud.normals, lacking)
     return replace(cloud, normals=filled).remarked(f"{said}: estimated from their neighbours")
+
+
+def check_finite(points: NDArray[np.float64], name: str) -> None:
+    """Raise InputError if there are no points, or one is not finite; `name` is for the message."""
+    bad = ~np.isfinite(points).all(axis=1)
+    if bad.any():
+        raise InputError(
+            f"{name} has {bad.sum()} points that are NaN or infinite, the first is number {bad.argmax()}; "
+            "remove them"
+        )
+    check_extent(points, name)
+
+
+def check_extent(points: NDArray[np.float64], name: str) -> None:
+    """Raise InputError if there are no points, or one lies beyond what can be computed with."""
+    if len(points) == 0:
+        raise InputError(f"{name} has no points; give at least one")
+    if np.abs(points).max() > LARGEST:
+        raise InputError(f"{name} has a coordinate of {np.abs(points).max():.3g}; choose larger units")

@@ -47,7 +47,7 @@ def read_table(path: Path, columns: int = 0) -> TextTable:
     InputError
         With the line, for what is no table of numbers or can be read in two ways.
     """
-    named, lines, remarks = _parts(path, _text(path))
+    named, lines = _parts(_text(path))
     _check_cells(path, lines)
     names: list[str] = []
     if lines and not _all_numbers(re.split(r"[\s,;]+", lines[0][1].strip(" \t,;"))):
@@ -74,7 +74,7 @@ def read_table(path: Path, columns: int = 0) -> TextTable:
         )
     table = np.array([_numbers(path, number, words) for number, words in rows]).reshape(-1, width or 3)
     numbers = np.array([number for number, _ in rows], dtype=np.int64)
-    return TextTable(table, numbers, tuple(names), (*remarks, *separator))
+    return TextTable(table, numbers, tuple(names), tuple(separator))
 
 
 def _text(path: Path) -> str:
@@ -93,8 +93,8 @@ def _text(path: Path) -> str:
         return content.decode("latin-1")
 
 
-def _parts(path: Path, text: str) -> tuple[list[str], list[Line], list[str]]:
-    """Names that a comment gives, the other lines, and remarks."""
+def _parts(text: str) -> tuple[list[str], list[Line]]:
+    """Names that a comment gives, and the other lines."""
     names, lines = list[str](), list[Line]()
     for number, line in enumerate(re.split(r"\r\n|\n|\r", text), 1):
         plain = line.strip()
@@ -104,7 +104,7 @@ def _parts(path: Path, text: str) -> tuple[list[str], list[Line], list[str]]:
             names = found if not lines and found[:3] == ["x", "y", "z"] else names
         elif plain.strip(",; \t"):
             lines.append((number, plain))
-    return names, lines, []
+    return names, lines
 
 
 def _check_cells(path: Path, lines: list[Line]) -> None:

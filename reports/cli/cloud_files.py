@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from datasets_gen import InputError, Shape
-from datasets_gen.checks import LARGEST, scannable
-from datasets_gen.clouds.cleaning import lacking_normals, with_sound_normals, without_gaps
+from datasets_gen.checks import scannable
+from datasets_gen.clouds.cleaning import check_finite, lacking_normals, with_sound_normals, without_gaps
 from datasets_gen.clouds.file_formats import FILE_SUFFIXES, checked_file, read_points
 from datasets_gen.clouds.point_cloud import PointCloud, counted
 from datasets_gen.clouds.precision import rounding_of
@@ -184,7 +184,7 @@ def as_scan(
         scan = bare_scan(content.points, content.normals, path.stem)
     else:
         scan = content
-    check_finite(scan, repr(str(path)))
+    check_finite(scan.points, repr(str(path)))
     return with_normals(scan, repr(str(path)))
 
 
@@ -211,7 +211,7 @@ def vertices_of(shape: Shape, name: str) -> tuple["Scan", NDArray[np.bool_]]:
             counted(int((~used).sum()), "vertex", "vertices"),
         )
     scan = bare_scan(shape.vertices, normals, shape.name)
-    check_finite(scan, name)
+    check_finite(scan.points, name)
     return scan, ~used
 
 
@@ -275,26 +275,11 @@ def centred(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(away) if far else points
 
 
-def check_finite(scan: "Scan", name: str) -> None:
-    """Raise InputError if a cloud is empty or has points that are not finite; `name` is for the message."""
-    bad = int((~np.isfinite(scan.points)).any(axis=1).sum())
-    if bad:
-        first = int((~np.isfinite(scan.points)).any(axis=1).argmax())
-        raise InputError(
-            f"{name} has {bad} points that are NaN or infinite, the first is number {first}; remove them"
-        )
-    if len(scan) == 0:
-        raise InputError(f"{name} has no points; give at least one")
-    if np.abs(scan.points).max() > LARGEST:
-        raise InputError(f"{name} has a coordinate of {np.abs(scan.points).max():.3g}; choose larger units")
-
-
 def file_kind(path: Path) -> str:
     """What an ``.npz`` file of this project holds; empty for others, and for what the loader has to name."""
     try:
         with np.load(path, allow_pickle=False) as data:
-            return (
-                str(data["kind"]) if "meta" in data and data["kind"].ndim == 0 else ""
-            )  # not a user's array
+            ours = "meta" in data and data["kind"].ndim == 0  # a user may call an array so
+            return str(data["kind"]) if ours else ""
     except Exception:
         return ""

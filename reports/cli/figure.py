@@ -125,8 +125,7 @@ def _numbers(which: str) -> list[int]:
     if not which.isdecimal() or not 1 <= int(which) <= LAST:
         raise click.UsageError(
             f"no figure {which!r}; give a number from 1 to {LAST}, all, or one of {', '.join(OF_RESULTS)} "
-            "with a "
-            "results folder"
+            "with a results folder"
         )
     return [int(which)]
 

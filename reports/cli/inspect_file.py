@@ -74,19 +74,15 @@ def facts_of(
     import numpy as np
 
     from datasets_gen import Shape
-    from datasets_gen.checks import LARGEST
+    from datasets_gen.clouds.cleaning import check_extent
     from datasets_gen.clouds.measures import measure_cloud
     from datasets_gen.clouds.mesh_measures import measure_mesh
-    from datasets_gen.records import InputError
     from scanner_sim import Scan
 
     kind = "mesh" if isinstance(content, Shape) else "scan" if isinstance(content, Scan) else "cloud"
     points = content.vertices if isinstance(content, Shape) else content.points
     finite = points[np.isfinite(points).all(axis=1)]
-    if not len(finite):
-        raise InputError(f"{str(file)!r} has no points; give at least one")
-    if np.abs(finite).max() > LARGEST:
-        raise InputError(f"{str(file)!r} has a coordinate of {np.abs(finite).max():.3g}; choose larger units")
+    check_extent(finite, repr(str(file)))
     facts: Facts = {"file": str(file), "kind": kind, "remarks": remarks}
     measured = measure_cloud(finite)
     facts["points"] = _plain(asdict(measured))

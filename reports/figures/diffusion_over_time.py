@@ -70,11 +70,9 @@ def diffusion_over_time(request: FigureRequest) -> MadeFigure:
     at = round(SHOWN * (TIMES - 1))
     note = (
         f"{shape.name}, {about}, {len(cloud):,} points, seed {request.seed}. Circles: the medial balls "
-        "(Eq. 9) of "
-        "four points, from the largest (a) to the smallest (x). Where balls are large, heat spreads fast, "
-        "and less of it "
-        "stays. m_t is multiplied by the body's area. The colours and the profile are at the dotted time, "
-        f"t = {times[at]:.3g}."
+        "(Eq. 9) of four points, from the largest (a) to the smallest (x). Where balls are large, heat "
+        "spreads fast, and less of it stays. m_t is multiplied by the body's area. The colours and the "
+        f"profile are at the dotted time, t = {times[at]:.3g}."
     )
     settings = {"shape": shape.name, "points": points, "seed": request.seed, "cloud": about}
     figure = _drawn(cloud, diffusion, frame, along, times, values, marks, at, note)

@@ -120,10 +120,8 @@ def dual_area_construction(request: FigureRequest) -> MadeFigure:
     found = _clear_example(each, request.seed)
     note = (
         f"{shape.name}, 10 views, threshold {threshold:g}, {each.note}, seed {request.seed}. a: the points "
-        "B whose "
-        f"medial points lie within {EPSILON:g} sampling distances of that of p (Eq. 10), with the {JOINED} "
-        "points "
-        f"nearest to p, and the medial ball of p (Eq. 9). b: "
+        f"B whose medial points lie within {EPSILON:g} sampling distances of that of p (Eq. 10), with the "
+        f"{JOINED} points nearest to p, and the medial ball of p (Eq. 9). b: "
         + (
             "p is no corner of their convex hull, so that all are moved to the ball, along the lines. "
             if found.projected

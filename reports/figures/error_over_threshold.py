@@ -96,11 +96,9 @@ def error_over_threshold(request: FigureRequest) -> MadeFigure:
     )
     note = (
         f"{body.subject}: {VIEWS} views, at most {points:,} points, seed {request.seed}; the reference is "
-        "the rest pose "
-        f"sampled completely with {points:,} points. m_t is multiplied by the body's area; 10,000 pairs, "
-        "25 times. Below "
-        f"the curves, the share of the surface that no scan point is near. Scans of fewer than {LEAST} "
-        "points are left out."
+        f"the rest pose sampled completely with {points:,} points. m_t is multiplied by the body's area; "
+        "10,000 pairs, 25 times. Below the curves, the share of the surface that no scan point is near. "
+        f"Scans of fewer than {LEAST} points are left out."
     )
     settings = {"poses": [s.name for s in shapes], "thresholds": thresholds, "points": points}
     figure = _drawn(body, complete, found, note)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -186,6 +186,57 @@ class ScannedPose:
         return f"{len(self.scan):,} points, {100 * self.missing:.0f} % missing"
 
 
+class TwoPoses(NamedTuple):
+    """A body, and two of its poses as they are scanned: threshold and points of a cloud, and the seed."""
+
+    body: Collection
+    source: ScannedPose
+    target: ScannedPose
+    threshold: float
+    points: int
+    seed: int
+
+    @classmethod
+    def of(
+        cls,
+        request: FigureRequest,
+        body: str,
+        poses: Sequence[str],
+        threshold: float,
+        views: Sequence[str | int],
+        points: int,
+    ) -> "TwoPoses":
+        """Scan two poses.
+
+        Parameters
+        ----------
+        request
+        body, poses, threshold, points
+            The figure's own, unless others are asked for: data set, poses, peak threshold, points of a cloud.
+        views
+            Viewpoints of the source and of the target.
+
+        Raises
+        ------
+        InputError
+            If the data set has fewer than two poses, or a scan sees too little.
+        """
+        found = request.body(body)
+        shapes = request.shapes(found, poses, 2)
+        tau, count = request.threshold(threshold), request.count(points)
+        source, target = (
+            ScannedPose.of(request, shape, tau, view, count)
+            for shape, view in zip(shapes, views, strict=True)
+        )
+        return cls(found, source, target, tau, count, request.seed)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What a figure of them notes."""
+        poses = [self.source.shape.name, self.target.shape.name]
+        return {"poses": poses, "threshold": self.threshold, "points": self.points, "seed": self.seed}
+
+
 def map_errors(
     body: Collection, source: ScannedPose, target: ScannedPose, image: NDArray[np.integer]
 ) -> NDArray[np.float64]:
@@ -236,8 +287,3 @@ def cloud_table(panel: str, each: ScannedPose, **columns: Any) -> pd.DataFrame:
     centres = {f"centre_{axis}": found.centers[:, k] for k, axis in enumerate("xyz")}
     head = {"panel": panel, "cloud": scan_.shape_name, "point": np.arange(len(scan_))}
     return pd.DataFrame(head | places | centres | {"radius": found.radii} | columns)
-
-
-def settings_line(**settings: Any) -> str:
-    """Settings in words, for a footnote: ``5,000 points; seed 0``."""
-    return "; ".join(f"{name.replace('_', ' ')} {value}" for name, value in settings.items())

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from reports.figures.cloud_sheet import FAR, INNER, NEAR, UNMATCHED, CloudPanel, cloud_sheet
-from reports.figures.figure_request import FigureRequest, MadeFigure, ScannedPose
+from reports.figures.figure_request import FigureRequest, MadeFigure, TwoPoses
 from reports.figures.matched_pair import MatchedPair
 from reports.figures.style import styled
 
@@ -32,33 +32,30 @@ def heat_kernel_comparison(request: FigureRequest) -> MadeFigure:
     InputError
         If the data set has fewer than two poses.
     """
-    body = request.body("human")
-    shapes = request.shapes(body, POSES, 2)
-    threshold, points = request.threshold(THRESHOLD), request.count(POINTS)
-    source, target = (ScannedPose.of(request, shape, threshold, VIEWS, points) for shape in shapes)
+    scanned = TwoPoses.of(request, "human", POSES, THRESHOLD, (VIEWS, VIEWS), POINTS)
+    body, source, target = scanned.body, scanned.source, scanned.target
     rows, tables = [], []
     for config in MATCHERS:
         row: list[CloudPanel | None] = []
         for operator, name in OPERATORS.items():
             pair = MatchedPair.of(request, body, source, target, operator, config)
             own, arrived = pair.colours("position")
-            row.append(pair.panel(0, own, title=f"source, {shapes[0].pose}", note=f"landmarks of {operator}"))
+            row.append(
+                pair.panel(0, own, title=f"source, {source.shape.pose}", note=f"landmarks of {operator}")
+            )
             row.append(pair.panel(1, arrived, title=name, note=_words(pair)))
             tables.append(pair.table(f"{name}, {MATCHERS[config]}"))
         rows.append(row)
     note = (
-        f"{shapes[0].name} and {shapes[1].name}: {VIEWS} views, threshold {threshold:g}, at most "
-        f"{points:,} points, seed "
-        f"{request.seed}; {100 * source.missing:.0f} and {100 * target.missing:.0f} % of the surface are "
-        "missing. Colours: "
-        "the position of the source's points; the targets have those that the map sends to them. "
-        "Errors: mean geodesic distance from the true place, x 100 / √area; mirrored: from the place that "
-        "mirrors it, which is "
-        "small where left and right are swapped."
+        f"{source.shape.name} and {target.shape.name}: {VIEWS} views, threshold {scanned.threshold:g}, at "
+        f"most {scanned.points:,} points, seed {request.seed}; {100 * source.missing:.0f} and "
+        f"{100 * target.missing:.0f} % of the surface are missing. Colours: the position of the source's "
+        "points; the targets have those that the map sends to them. Errors: mean geodesic distance from "
+        "the true place, x 100 / √area; mirrored: from the place that mirrors it, which is small where "
+        "left and right are swapped."
     )
     sheet = cloud_sheet(rows, names=list(MATCHERS.values()), key=[NEAR, FAR, INNER, UNMATCHED], note=note)
-    settings = {"poses": [s.name for s in shapes], "threshold": threshold, "points": points}
-    return MadeFigure(sheet.figure, pd.concat(tables, ignore_index=True), settings | {"seed": request.seed})
+    return MadeFigure(sheet.figure, pd.concat(tables, ignore_index=True), scanned.settings)
 
 
 def _words(pair: MatchedPair) -> str:

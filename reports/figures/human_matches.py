@@ -55,10 +55,9 @@ def human_matches(request: FigureRequest) -> MadeFigure:
             row.append(pair.panel(side, colors, title=f"{role}, {each.shape.pose}", note=words))
     note = (
         f"{body.subject}: {VIEWS} views, threshold {threshold:g}, at most {points:,} points, seed "
-        f"{request.seed}. Pairs "
-        "from left to right. Colours: where the source's medial centres (Eq. 9) lie; the target has those "
-        "that the "
-        f"map sends to it. {ALONE} Errors: mean geodesic distance from the true place, x 100 / √area."
+        f"{request.seed}. Pairs from left to right. Colours: where the source's medial centres (Eq. 9) "
+        f"lie; the target has those that the map sends to it. {ALONE} Errors: mean geodesic distance from "
+        "the true place, x 100 / √area."
     )
     sheet = cloud_sheet([row], key=[NEAR, FAR, INNER, UNMATCHED], note=note)
     tables = [pair.table(f"pair {k + 1}") for k, pair in enumerate(pairs)]

@@ -5,7 +5,7 @@ Each cloud is seen from where it was scanned, and from the other side, where one
 """
 
 from reports.figures.cloud_sheet import FAR, INNER, NEAR, UNMATCHED, cloud_sheet
-from reports.figures.figure_request import FigureRequest, MadeFigure, ScannedPose
+from reports.figures.figure_request import FigureRequest, MadeFigure, TwoPoses
 from reports.figures.matched_pair import ALONE, MatchedPair
 from reports.figures.style import styled
 
@@ -28,26 +28,20 @@ def opposed_scans(request: FigureRequest) -> MadeFigure:
     InputError
         If the data set has fewer than two poses, or a scan sees too little.
     """
-    body = request.body("human")
-    shapes = request.shapes(body, POSES, 2)
-    threshold, points = request.threshold(THRESHOLD), request.count(POINTS)
-    source, target = (
-        ScannedPose.of(request, shape, threshold, views, points)
-        for shape, views in zip(shapes, VIEWS, strict=True)
-    )
+    scanned = TwoPoses.of(request, "human", POSES, THRESHOLD, VIEWS, POINTS)
+    body, source, target = scanned.body, scanned.source, scanned.target
     pair = MatchedPair.of(request, body, source, target)
     note = (
-        f"{shapes[0].name} scanned from the front ({VIEWS[0]}), {shapes[1].name} from behind ({VIEWS[1]}), "
-        f"threshold {threshold:g}, seed {request.seed}; source {source.note}, target {target.note}. Colours: "
-        "where the source's medial centres (Eq. 9) lie; the target has those that the map sends to it. "
-        f"{ALONE} Geodesic {pair.error_words} (x 100 / √area)."
+        f"{source.shape.name} scanned from the front ({VIEWS[0]}), {target.shape.name} from behind "
+        f"({VIEWS[1]}), threshold {scanned.threshold:g}, seed {request.seed}; source {source.note}, target "
+        f"{target.note}. Colours: where the source's medial centres (Eq. 9) lie; the target has those that "
+        f"the map sends to it. {ALONE} Geodesic {pair.error_words} (x 100 / √area)."
     )
-    settings = {"poses": [s.name for s in shapes], "views": VIEWS, "threshold": threshold, "points": points}
     own, arrived = pair.colours()
     row = [
-        pair.panel(side, colors, turned + 180 * side, title=f"{role}, {shapes[side].pose}", note=seen)
-        for side, colors, role in ((0, own, "source"), (1, arrived, "target"))
+        pair.panel(side, colors, turned + 180 * side, title=f"{role}, {each.shape.pose}", note=seen)
+        for side, colors, role, each in ((0, own, "source", source), (1, arrived, "target", target))
         for turned, seen in ((0, "from its scanned side"), (180, "from the other side"))
     ]
     sheet = cloud_sheet([row], key=[NEAR, FAR, INNER, UNMATCHED], note=note)
-    return MadeFigure(sheet.figure, pair.table(), settings | {"seed": request.seed})
+    return MadeFigure(sheet.figure, pair.table(), scanned.settings | {"views": VIEWS})

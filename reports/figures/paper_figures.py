@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 
 from datasets_gen.records import InputError
@@ -57,13 +56,7 @@ def make_figure(request: FigureRequest) -> MadeFigure:
     if request.number not in FIGURES:
         raise InputError(f"no figure {request.number!r}; the paper has {min(FIGURES)} to {max(FIGURES)}")
     entry = FIGURES[request.number]
-    home = f"reports.figures.{entry.name}"
-    if find_spec(home) is None:
-        raise InputError(
-            f"figure {request.number} ({entry.about}) "
-            f"needs the module {home}, which this version does not have"
-        )
-    made = getattr(import_module(home), entry.name)(request)
+    made = getattr(import_module(f"reports.figures.{entry.name}"), entry.name)(request)
     assert isinstance(made, MadeFigure)
     return made
 

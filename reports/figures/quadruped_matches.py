@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from medial.spectrum.times import logarithmic_times
 from reports.figures.cloud_drawing import ERROR_COLORS
 from reports.figures.cloud_sheet import FAR, INNER, NEAR, UNMATCHED, CloudPanel, ColourBar, cloud_sheet
-from reports.figures.figure_request import FigureRequest, MadeFigure, ScannedPose
+from reports.figures.figure_request import FigureRequest, MadeFigure, TwoPoses
 from reports.figures.matched_pair import ALONE, MatchedPair
 from reports.figures.signature_colours import (
     LABEL,
@@ -44,24 +44,18 @@ def quadruped_matches(request: FigureRequest) -> MadeFigure:
     InputError
         If the data set has fewer than two poses.
     """
-    body = request.body("quadruped")
-    shapes = request.shapes(body, POSES, 2)
-    threshold, points = request.threshold(THRESHOLD), request.count(POINTS)
-    source, target = (ScannedPose.of(request, shape, threshold, VIEWS, points) for shape in shapes)
+    scanned = TwoPoses.of(request, "quadruped", POSES, THRESHOLD, (VIEWS, VIEWS), POINTS)
+    body, source, target = scanned.body, scanned.source, scanned.target
     pair = MatchedPair.of(request, body, source, target)
     times = logarithmic_times(source.diffusion.eigenvalues, target.diffusion.eigenvalues, count=TIMES)
     here, there = (signatures(each.diffusion, times, body.reference.area) for each in (source, target))
     change = signature_change(here, there, pair.found.source_to_target)
     note = (
-        f"{body.subject}: {VIEWS} views, threshold {threshold:g}, seed {request.seed}; source "
-        f"{source.note}, target "
-        f"{target.note}. Colours of the map: where the source's medial centres (Eq. 9) lie; the target has "
-        "those that "
-        f"the map sends to it. {ALONE} Geodesic {pair.error_words} (x 100 / √area). Inset: the signature "
-        "of both at "
-        f"t = {times[SHOWN]:.3g} on one scale, and the mean over {TIMES} times of |ln m_t(x, x) - ln "
-        "m_t(y, y)| between each "
-        "source point x and its match y."
+        f"{body.subject}: {VIEWS} views, threshold {scanned.threshold:g}, seed {request.seed}; source "
+        f"{source.note}, target {target.note}. Colours of the map: where the source's medial centres (Eq. "
+        f"9) lie; the target has those that the map sends to it. {ALONE} Geodesic {pair.error_words} (x "
+        f"100 / √area). Inset: the signature of both at t = {times[SHOWN]:.3g} on one scale, and the mean "
+        f"over {TIMES} times of |ln m_t(x, x) - ln m_t(y, y)| between each source point x and its match y."
     )
     rows = [[*_map(pair), *_inset(pair, here[:, SHOWN], there[:, SHOWN], change)]]
     norm = shared_norm([here[:, SHOWN], there[:, SHOWN]])
@@ -70,10 +64,9 @@ def quadruped_matches(request: FigureRequest) -> MadeFigure:
         ColourBar(_scale(change), ERROR_COLORS, "mean change of ln m_t(x, x)", 4),
     ]
     sheet = cloud_sheet(rows, bars=bars, key=[NEAR, FAR, INNER, UNMATCHED], note=note)
-    settings = {"poses": [s.name for s in shapes], "threshold": threshold, "points": points}
     table = pair.table(signature=here[:, SHOWN], signature_change=change)
     table.loc[table["panel"] == "target", "signature"] = there[:, SHOWN]
-    return MadeFigure(sheet.figure, table, settings | {"seed": request.seed})
+    return MadeFigure(sheet.figure, table, scanned.settings)
 
 
 def signature_change(

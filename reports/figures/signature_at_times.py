@@ -59,8 +59,7 @@ def signature_at_times(request: FigureRequest) -> MadeFigure:
     if body.mirror is None:
         raise InputError(
             f"figure {request.number} compares a place with its mirror image, and {body.subject!r} has no "
-            "mirror "
-            "map; give a data set of a symmetric body"
+            "mirror map; give a data set of a symmetric body"
         )
     shapes = request.shapes(body, POSES, 2)
     points = request.count(POINTS)
@@ -74,12 +73,9 @@ def signature_at_times(request: FigureRequest) -> MadeFigure:
     marks = [shoulder_points(body, each) for each in rows]
     note = (
         f"{body.subject}: {COMPLETE[1]} views at threshold {COMPLETE[0]:g}; the last row has {holed[1]} "
-        "views at "
-        f"threshold {holed[0]:g}. At most {points:,} points, seed {request.seed}. Columns have one colour "
-        "scale for all "
-        "poses. L and R: the body's left and right shoulder, or what was scanned nearest to it; values are "
-        "theirs. "
-        "m_t is multiplied by the area of the body at rest."
+        f"views at threshold {holed[0]:g}. At most {points:,} points, seed {request.seed}. Columns have "
+        "one colour scale for all poses. L and R: the body's left and right shoulder, or what was scanned "
+        "nearest to it; values are theirs. m_t is multiplied by the area of the body at rest."
     )
     settings = {
         "poses": [s.name for s in shapes],

@@ -111,12 +111,9 @@ def similarity_against_distance(request: FigureRequest) -> MadeFigure:
         f"{shape.name}, 10 views, threshold {threshold:g}, {each.note}, seed {request.seed}. Left: a slice "
         "across the body, its points (grey), and the medial points (Eq. 9, crosses) of p and of three "
         "partners; lines are the distances between medial points that a Gaussian α would be taken of. "
-        "Middle: "
-        "the outlines of the same pairs' candidate balls, and φ (Eq. 7): no medial point is needed. Right: "
-        "all pairs of "
-        f"{min(ROWS, len(each.scan))} points with φ of at least {FLOOR:g}; the line joins medians. "
-        "Distances are in average "
-        "sampling distances."
+        "Middle: the outlines of the same pairs' candidate balls, and φ (Eq. 7): no medial point is "
+        f"needed. Right: all pairs of {min(ROWS, len(each.scan))} points with φ of at least {FLOOR:g}; the "
+        "line joins medians. Distances are in average sampling distances."
     )
     settings = {"shape": shape.name, "threshold": threshold, "points": points, "seed": request.seed}
     return MadeFigure(_drawn(each, slab, partners, table, note), table, settings)

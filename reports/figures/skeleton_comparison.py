@@ -13,7 +13,7 @@ from evaluation.methods import MethodInput, create
 from medial.skeletons import CurveSkeleton, skeleton_of
 from reports.figures.cloud_drawing import carried_colors
 from reports.figures.cloud_sheet import FAR, INNER, NEAR, UNMATCHED, CloudPanel, cloud_sheet
-from reports.figures.figure_request import FigureRequest, MadeFigure, ScannedPose, front_view, map_errors
+from reports.figures.figure_request import FigureRequest, MadeFigure, TwoPoses, front_view, map_errors
 from reports.figures.matched_pair import MatchedPair
 from reports.figures.skeleton_drawing import SKELETON_KEY, in_words, skeleton_panel
 from reports.figures.style import styled
@@ -36,10 +36,8 @@ def skeleton_comparison(request: FigureRequest) -> MadeFigure:
     InputError
         If the data set has fewer than two poses.
     """
-    body = request.body("human")
-    shapes = request.shapes(body, POSES, 2)
-    threshold, points = request.threshold(THRESHOLD), request.count(POINTS)
-    source, target = (ScannedPose.of(request, shape, threshold, VIEWS, points) for shape in shapes)
+    scanned = TwoPoses.of(request, "human", POSES, THRESHOLD, (VIEWS, VIEWS), POINTS)
+    body, source, target = scanned.body, scanned.source, scanned.target
     request.tell("curve skeletons")
     skeletons = [skeleton_of(each.scan.points, each.scan.normals) for each in (source, target)]
     pair = MatchedPair.of(request, body, source, target)
@@ -70,17 +68,16 @@ def skeleton_comparison(request: FigureRequest) -> MadeFigure:
         ],
     ]
     note = (
-        f"{shapes[0].name} and {shapes[1].name}: {VIEWS} views, threshold {threshold:g}, at most {points:,} "
-        f"points, seed {request.seed}; {100 * source.missing:.0f} and {100 * target.missing:.0f} % of the "
-        "surface are missing. Colours: the position of the source's points; the targets have those that a "
-        "map sends to them. "
-        "Errors: geodesic distance from the true place, x 100 / √area."
+        f"{source.shape.name} and {target.shape.name}: {VIEWS} views, threshold {scanned.threshold:g}, at "
+        f"most {scanned.points:,} points, seed {request.seed}; {100 * source.missing:.0f} and "
+        f"{100 * target.missing:.0f} % of the surface are missing. Colours: the position of the source's "
+        "points; the targets have those that a map sends to them. Errors: geodesic distance from the true "
+        "place, x 100 / √area."
     )
     sheet = cloud_sheet(rows, key=[*SKELETON_KEY, NEAR, FAR, INNER, UNMATCHED], note=note)
     tables = [pair.table("medial diffusion", by_skeletons=image)]
     tables += [_nodes(side, each) for side, each in zip(("source", "target"), skeletons, strict=True)]
-    settings = {"poses": [s.name for s in shapes], "threshold": threshold, "points": points}
-    return MadeFigure(sheet.figure, pd.concat(tables, ignore_index=True), settings | {"seed": request.seed})
+    return MadeFigure(sheet.figure, pd.concat(tables, ignore_index=True), scanned.settings)
 
 
 def _by_skeletons(request: FigureRequest, pair: MatchedPair) -> tuple[NDArray[np.int64], str]:

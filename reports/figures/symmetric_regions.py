@@ -151,13 +151,11 @@ def symmetric_regions(request: FigureRequest) -> MadeFigure:
     shown = [SymmetricBody.of(request, *each) for each in chosen]
     note = (
         f"{VIEWS} views, threshold {request.threshold(THRESHOLD):g}, at most {request.count(POINTS):,} "
-        "points, seed "
-        f"{request.seed}. Lines join the medial centres (Eq. 9) of points and of their mirror images, evenly "
-        f"spread over the body, where the map's confidence is at least {SURE:g}. Orange: what is no longer "
-        "joined to the "
-        f"body; of {chosen[-1][0].subject if request.dataset else CUT_BODY} a band of one limb was taken "
-        "out of the scan. "
-        "Errors: mean geodesic distance from the true mirror image, x 100 / √area."
+        f"points, seed {request.seed}. Lines join the medial centres (Eq. 9) of points and of their mirror "
+        f"images, evenly spread over the body, where the map's confidence is at least {SURE:g}. Orange: "
+        "what is no longer joined to the body; of "
+        f"{chosen[-1][0].subject if request.dataset else CUT_BODY} a band of one limb was taken out of the "
+        "scan. Errors: mean geodesic distance from the true mirror image, x 100 / √area."
     )
     table = pd.concat([_table(each) for each in shown], ignore_index=True)
     settings = {"shapes": [each.each.shape.name for each in shown], "threshold": request.threshold(THRESHOLD)}

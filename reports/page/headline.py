@@ -7,9 +7,9 @@ from typing import Any
 import pandas as pd
 
 from reports.method_order import order_methods
+from reports.tables.columns import interval_text
 from reports.tables.completeness import unranked
 from reports.tables.statistics import nested_mean, paired_tests
-from reports.tables.terminal import interval_text
 
 LEAST_P = 0.0001
 """p-values below this are not spelled out."""

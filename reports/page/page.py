@@ -65,8 +65,6 @@ class PageData:
     table, leaderboard, stability, failures : DataFrame
     pictures : dict of lists
         By section.
-    drawn : dict of str to str
-        Name of the picture of a pair of scans, by `reports.page.page_rows.pair_key`.
     pairs_left_out : int
         Pairs of scans that were not drawn.
     scans : list of ScanChoice
@@ -83,11 +81,14 @@ class PageData:
     stability: pd.DataFrame
     failures: pd.DataFrame
     pictures: "dict[str, list[PagePicture]]" = field(default_factory=dict)
-    drawn: dict[str, str] = field(default_factory=dict)
     pairs_left_out: int = 0
     scans: "list[ScanChoice]" = field(default_factory=list)
     rows: str = ""
     aside: set[str] = field(default_factory=set)
+
+    def drawn(self) -> dict[str, str]:
+        """Name of the picture of each drawn pair of scans, by `reports.page.page_rows.pair_key`."""
+        return {picture.pair: picture.name for picture in self.pictures.get("pairs", [])}
 
 
 @dataclass(frozen=True)
@@ -163,21 +164,21 @@ class ExampleMap:
 
 def examples(data: PageData, beyond: Collection[str] = ()) -> list[ExampleMap]:
     """The best and the worst map of the first method, among the pairs that were drawn."""
-    drawn = {picture.name: picture for picture in data.pictures.get("pairs", [])}
+    drawn = {picture.pair: picture for picture in data.pictures.get("pairs", [])}
     ranking = [row for row in overall(data.table, beyond) if not row["beyond"] and not row["note"]]
     if len(drawn) < 2 or not ranking:
         return []
     method = ranking[0]["method"]
     maps = data.table[(data.table["kind"] == "matching") & (data.table["method"] == method)]
-    names = maps.apply(lambda row: data.drawn.get(pair_key(row), ""), axis=1)
-    maps = maps.assign(picture=names)[names.isin(list(drawn))].dropna(subset=["geodesic_mean"])
+    maps = maps.assign(pair=maps.apply(pair_key, axis=1)).dropna(subset=["geodesic_mean"])
+    maps = maps[maps["pair"].isin(list(drawn))]
     if len(maps) < 2:
         return []
     maps = maps.sort_values("geodesic_mean", kind="stable")
     return [
         ExampleMap(
-            str(row["picture"]),
-            f"{word} of the drawn maps of {method}: {drawn[row['picture']].title}, {row['regime']}, "
+            drawn[row["pair"]].name,
+            f"{word} of the drawn maps of {method}: {drawn[row['pair']].title}, {row['regime']}, "
             f"mean error {row['geodesic_mean']:.1f}",
         )
         for word, row in (("best", maps.iloc[0]), ("worst", maps.iloc[-1]))

@@ -15,7 +15,7 @@ from reports.figures.style import method_colors
 from reports.method_order import order_methods
 from reports.tables.columns import GROUP, LEADERBOARD
 from reports.tables.completeness import unmatched
-from reports.tables.leaderboard import RATES
+from reports.tables.leaderboard import MEASURES, RATES
 from reports.tables.statistics import unbeaten
 
 KEYS = ("dataset", "regime", "source_pose", "target_pose", "seed", "method")
@@ -98,8 +98,7 @@ def _columns(maps: pd.DataFrame, pictures: Mapping[str, str]) -> dict[str, list[
 def _unbeaten(maps: pd.DataFrame, aside: Collection[str]) -> Iterable[dict[str, Any]]:
     """Which methods nothing beats beyond noise, for each choice of data set and regime; "" is all of them."""
     rivals = maps[~maps["method"].isin(list(aside))]
-    measures = {c.name: (RATES.get(c.name, c.name), c.best == "low") for c in LEADERBOARD if c.best}
-    measures = {name: way for name, way in measures.items() if way[0] in maps}
+    measures = {name: way for name, way in MEASURES.items() if way[0] in maps}
     choices = {(dataset, regime) for dataset, regime in rivals[GROUP].itertuples(index=False, name=None)}
     choices |= (
         {(dataset, "") for dataset, _ in choices} | {("", regime) for _, regime in choices} | {("", "")}

@@ -24,7 +24,7 @@ from reports.figures.pck_curves import pck_curves
 from reports.figures.result_figures import FILES, MAKERS, TITLES, has_figure
 from reports.figures.scan_series import ScanView, scan_series
 from reports.figures.style import save
-from reports.page.page_rows import mean_curves
+from reports.page.page_rows import mean_curves, pair_key
 from reports.viewer.packing import packed
 from reports.viewer.pair_views import view_of_pair
 
@@ -50,6 +50,8 @@ class PagePicture:
         What readers may filter by; empty if alone.
     error : float
         Lowest mean error of the maps on it; nan if there are none.
+    pair : str
+        Which scans (`reports.page.page_rows.pair_key`); empty if none.
     view : str
         The same as a packed scene of the viewer (`reports.viewer.packing`); empty where there is none.
     """
@@ -60,6 +62,7 @@ class PagePicture:
     width: float
     group: str = ""
     error: float = float("nan")
+    pair: str = ""
     view: str = ""
 
 
@@ -149,13 +152,8 @@ def figure_jobs(store: ResultsStore, table: pd.DataFrame, folder: Path, pairs: i
     for number, rows in enumerate(chosen_pairs(maps, pairs), start=1):
         first = rows.iloc[0]
         label = f"{first['dataset']}: {first['source_pose']} to {first['target_pose']}"
-        found.append(FigureJob("pairs", label, partial(_pair, maker, rows, picture_name(number), folder)))
+        found.append(FigureJob("pairs", label, partial(_pair, maker, rows, f"pair-{number:03d}", folder)))
     return found
-
-
-def picture_name(number: int) -> str:
-    """Of the picture of a pair, counted from 1 in the order of `chosen_pairs`."""
-    return f"pair-{number:03d}"
 
 
 def pair_groups(maps: pd.DataFrame) -> list[pd.DataFrame]:
@@ -264,6 +262,7 @@ def _pair(maker: PairMaker, rows: pd.DataFrame, name: str, folder: Path) -> Page
     return replace(
         found,
         error=min(errors, default=float("nan")),
+        pair=pair_key(first),
         view=packed(view_of_pair(pair, f"{title}, {first['regime']}{seed}")),
     )
 

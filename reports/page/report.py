@@ -11,15 +11,13 @@ from evaluation.results.origin import Origin, write_csv
 from evaluation.results.store import ResultsStore
 from reports.page.freshness import PAIRS, note_made
 from reports.page.page import PageData, render_page
-from reports.page.page_rows import page_json, pair_key
+from reports.page.page_rows import page_json
 from reports.page.pictures import (
     Drawing,
     PagePicture,
-    chosen_pairs,
     drawn,
     figure_jobs,
     pair_groups,
-    picture_name,
     scan_views,
 )
 from reports.page.scan_choice import ScanChoice, scan_choices
@@ -87,10 +85,8 @@ def build(
         if progress:
             progress(job.label, done + 1, len(todo))
     shown = len(data.pictures.get("pairs", []))
-    chosen = chosen_pairs(table[table["kind"] == "matching"], pairs)
-    data.drawn = {pair_key(rows.iloc[0]): picture_name(i) for i, rows in enumerate(chosen, start=1)}
     if len(data.leaderboard) or len(data.stability):
-        data.rows = page_json(store, table, ceilings(store.settings), data.drawn)
+        data.rows = page_json(store, table, ceilings(store.settings), data.drawn())
     data.scans = list(scan_choices(store, scan_views(table)))
     data.pairs_left_out = len(pair_groups(table[table["kind"] == "matching"])) - shown
     _write_views(data, folder / "views")

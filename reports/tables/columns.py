@@ -143,6 +143,11 @@ def cell_text(value: object, column: Column) -> str:
     return printable(str(value)) if column.digits is None else f"{float(value):.{column.digits}f}"  # type: ignore[arg-type]
 
 
+def interval_text(low: float, high: float, digits: int = 2) -> str:
+    """An interval as people read it; a dash where there is none."""
+    return "–" if low != low else f"{low:.{digits}f} to {high:.{digits}f}".replace("-", "−")
+
+
 def best_cells(table: pd.DataFrame, columns: Sequence[Column], group: Sequence[str]) -> set[tuple[int, str]]:
     """(row, column) of the best values of each group.
 

@@ -18,6 +18,8 @@ LITTLE_SHARED = 0.9
 
 RATES = {"flip_rate": "flipped", "gross_rate": "gross"}
 """Columns in per cent of the maps, and the truth values that they count."""
+MEASURES = {c.name: (RATES.get(c.name, c.name), c.best == "low") for c in LEADERBOARD if c.best}
+"""What methods are compared in: the column of the results table, and whether lower is better."""
 
 
 def with_numpy_types(table: pd.DataFrame) -> pd.DataFrame:
@@ -104,13 +106,12 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
 
 def _unbeaten(maps: pd.DataFrame, board: pd.DataFrame) -> "pd.Series[object]":
     """For each row of a leaderboard the measures in which nothing beats its method beyond noise."""
-    measures = {c.name: (RATES.get(c.name, c.name), c.best == "low") for c in LEADERBOARD if c.best}
     rivals = board[~board["beyond"] & board[NOTE].isna()]
     groups = dict(iter(maps.groupby(GROUP, sort=False)))
     found = pd.Series([frozenset[str]() for _ in board.index], index=board.index, dtype=object)
     for key, rows in rivals.groupby(GROUP, sort=False):
         group = groups[key]
-        best = unbeaten(group[group["method"].isin(rows["method"])], measures)
+        best = unbeaten(group[group["method"].isin(rows["method"])], MEASURES)
         for i, method in rows["method"].items():
             found[i] = frozenset(name for name, methods in best.items() if method in methods)
     return found

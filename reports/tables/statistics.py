@@ -1,6 +1,7 @@
 """Comparisons of methods on the same pairs of poses, under the same regimes and seeds."""
 
 import itertools
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -64,11 +65,10 @@ def _compared(
 ) -> tuple[str, str, int, float, float, float, int, int, float]:
     """A row of `paired_tests` from the gaps of all maps, b minus a."""
     cells = _cells(gap.index)
-    values = gap.to_numpy(np.float64)
-    if nested_weights(cells) @ values < 0:
-        a, b, values = b, a, -values
-    mean = float(nested_weights(cells) @ values)
-    by_pair = unit_means(cells, values)
+    by_pair = unit_means(cells, gap.to_numpy(np.float64))
+    if by_pair.mean() < 0:
+        a, b, gap, by_pair = b, a, -gap, -by_pair
+    mean, values = float(by_pair.mean()), gap.to_numpy(np.float64)
     low, high = bootstrap_interval(mean, resampled_weights(cells) @ values, len(by_pair))
     tied = np.abs(by_pair) < TIE
     wins = int((by_pair[~tied] > 0).sum())
@@ -116,7 +116,7 @@ def unbeaten(maps: pd.DataFrame, measures: dict[str, tuple[str, bool]]) -> dict[
     dict of str to set of str
     """
     found: dict[str, set[str]] = {}
-    known: dict[tuple[int, ...], tuple[pd.DataFrame, Float]] = {}
+    known: dict[tuple[int, ...], _Resamples] = {}
     for name, (column, low_is_better) in measures.items():
         wide = _by_method(maps, column)
         wide = wide.loc[:, wide.notna().any()]
@@ -131,7 +131,15 @@ def unbeaten(maps: pd.DataFrame, measures: dict[str, tuple[str, bool]]) -> dict[
     return found
 
 
-def _beaten(gap: "pd.Series[float]", known: dict[tuple[int, ...], tuple[pd.DataFrame, Float]]) -> bool:
+class _Resamples(NamedTuple):
+    """Of some maps: the number of pairs of poses, and the weights of their mean and of its resamples."""
+
+    units: int
+    weights: Float
+    drawn: Float
+
+
+def _beaten(gap: "pd.Series[float]", known: dict[tuple[int, ...], _Resamples]) -> bool:
     """Whether gaps are above 0 beyond noise; `known` keeps the resamples of the same maps."""
     there = np.flatnonzero(gap.notna())
     if not len(there):
@@ -139,10 +147,9 @@ def _beaten(gap: "pd.Series[float]", known: dict[tuple[int, ...], tuple[pd.DataF
     key, values = tuple(there.tolist()), gap.to_numpy(np.float64)[there]
     if key not in known:
         cells = _cells(gap.index[there])
-        known[key] = cells, resampled_weights(cells)
-    cells, drawn = known[key]
-    mean = float(nested_weights(cells) @ values)
-    return bootstrap_interval(mean, drawn @ values, cells["unit"].nunique())[0] > 0
+        known[key] = _Resamples(cells["unit"].nunique(), nested_weights(cells), resampled_weights(cells))
+    units, weights, drawn = known[key]
+    return bootstrap_interval(float(weights @ values), drawn @ values, units)[0] > 0
 
 
 def _by_method(maps: pd.DataFrame, measure: str) -> pd.DataFrame:

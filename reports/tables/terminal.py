@@ -7,7 +7,16 @@ from rich.cells import cell_len
 from rich.markup import escape
 
 from evaluation.results.outcome import printable
-from reports.tables.columns import GROUP, LEADERBOARD, NOTE, Column, best_cells, cell_text, filled_columns
+from reports.tables.columns import (
+    GROUP,
+    LEADERBOARD,
+    NOTE,
+    Column,
+    best_cells,
+    cell_text,
+    filled_columns,
+    interval_text,
+)
 
 NARROW = ("method", "missing", "geodesic_mean", "matched", "geodesic_median", "flip_rate", "pck_auc", "eq18")
 """Columns that fit a terminal of 80 characters."""
@@ -61,11 +70,6 @@ def leaderboard_lines(board: pd.DataFrame, width: int) -> Iterator[str]:
     for head, name, note in zip(heads, board["method"], notes, strict=True):
         if note:
             yield f"[dim]{MARK} not ranked: {escape(printable(f'{head}, {name}: {note}'))}[/]"
-
-
-def interval_text(low: float, high: float, digits: int = 2) -> str:
-    """An interval as people read it; a dash where there is none."""
-    return "–" if low != low else f"{low:.{digits}f} to {high:.{digits}f}".replace("-", "−")
 
 
 def _fitting(filled: Sequence[Column], width: int) -> list[Column]:

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from datasets_gen.records import InputError
-from medial import Diffusion, MatchConfig, intrinsic_symmetry, match
+from medial import Diffusion, intrinsic_symmetry, match
 from medial.matching.match import extrapolate
 from medial.matching.without_strays import WithoutStrays
+from tests.little_matching import CHEAP
 from tests.medial import clouds
-
-LITTLE = MatchConfig(finalists=2, restarts=4, nodes=40, fine_nodes=80, samples=150, both_ways=False)
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +29,8 @@ def test_nothing_changes_without_strays(pair):
 def test_maps_and_symmetries_are_those_of_the_other_points(pair):
     clean, strewn = pair
     for plain, found in (
-        (match(clean, clean, LITTLE), match(strewn, strewn, LITTLE)),
-        (intrinsic_symmetry(clean, LITTLE), intrinsic_symmetry(strewn, LITTLE)),
+        (match(clean, clean, CHEAP), match(strewn, strewn, CHEAP)),
+        (intrinsic_symmetry(clean, CHEAP), intrinsic_symmetry(strewn, CHEAP)),
     ):
         assert np.array_equal(found.source_to_target[:300], plain.source_to_target)
         assert np.array_equal(found.confidence[:300], plain.confidence)

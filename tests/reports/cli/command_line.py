@@ -5,12 +5,10 @@ import trimesh
 from click.testing import CliRunner
 
 from reports.cli.main import cli
+from tests.little_matching import AS_OPTIONS
 
 SIZE = ["--modes", "30", "--points", "400"]
-LITTLE = ("finalists=2", "restarts=4", "partners=2", "nodes=40", "fine_nodes=80", "samples=200")
-LITTLE += ("recombine=false", "both_ways=false", "rigid_starts=false")
-FAST = SIZE + [word for setting in LITTLE for word in ("--set", setting)]
-"""A third of the time: most tests ask what goes in and out, not how well it is matched."""
+FAST = SIZE + AS_OPTIONS
 SMALL = ["--set", "resolution=[60, 60]", "--set", "stripes=80", "--views", "4"]
 
 

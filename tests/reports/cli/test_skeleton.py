@@ -5,8 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from medial.skeletons import CurveSkeleton
+from medial.skeletons import SKELETON_METHODS, CurveSkeleton
 from medial.skeletons import local_separators as separators
+from reports.cli.skeleton import METHODS
 from tests.medial.clouds import planes
 from tests.medial.skeletons import tubes
 from tests.reports.cli.command_line import fails, run
@@ -66,3 +67,8 @@ def test_failures_are_one_line(tube, tmp_path, monkeypatch):
     given = ("-o", tmp_path / "a.ply", "--method", "local-separators")
     fails(run("skeleton", tube, *given), "pygel3d", "pip install")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_offers_every_method():
+    """It lists them itself, so that its help loads no libraries."""
+    assert tuple(SKELETON_METHODS) == METHODS
