@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from datasets_gen.clouds.cleaning import lacking_normals
 from datasets_gen.records import InputError
 from datasets_gen.values import real_array
 
@@ -61,15 +62,9 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     return checked
 
 
-def without_direction(normals: NDArray[np.floating]) -> NDArray[np.bool_]:
-    """Which of (n, 3) normals are zero or not finite."""
-    lengths = np.linalg.norm(normals, axis=1)
-    return np.asarray(~np.isfinite(lengths) | (lengths == 0))
-
-
 def check_directions(normals: NDArray[np.floating], name: str = "the cloud") -> None:
     """Raise InputError if some of (n, 3) normals are zero or not finite; `name` is for the message."""
-    bad = without_direction(normals)
+    bad = lacking_normals(normals)
     if bad.any():
         raise InputError(
             f"{name} has {bad.sum()} normals that are zero or not finite, the first number {bad.argmax()}; "

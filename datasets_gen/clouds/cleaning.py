@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.checks import LARGEST
-from datasets_gen.clouds.point_cloud import Array, PointCloud, counted
+from datasets_gen.clouds.point_cloud import PointCloud, counted
 from datasets_gen.points.missing_normals import filled_normals
 from datasets_gen.records import InputError
 
@@ -34,7 +34,7 @@ def without_gaps(cloud: PointCloud, where: str) -> PointCloud:
     )
 
 
-def lacking_normals(normals: Array) -> NDArray[np.bool_]:
+def lacking_normals(normals: NDArray[np.floating]) -> NDArray[np.bool_]:
     """Which of (n, 3) normals are zero or not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         length = np.linalg.norm(normals, axis=1)

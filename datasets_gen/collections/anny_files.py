@@ -12,7 +12,6 @@ References
 
 import gzip
 import itertools
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +23,7 @@ from scipy.sparse import csr_array
 
 from datasets_gen.collections.closing import fill_holes
 from datasets_gen.collections.wheel_files import Wheel
+from datasets_gen.parsing import parsed_json
 from datasets_gen.records import InputError
 
 Array = NDArray[np.float64]
@@ -224,8 +224,10 @@ def read_rig(folder: Path, base: BaseMesh) -> SkinRig:
         If a file cannot be read, or holds something else.
     """
     try:
-        rig = json.loads((folder / "rig.default.json").read_bytes())
-        table = json.loads((folder / "weights.default.json").read_bytes())["weights"]
+        rig, table = (
+            parsed_json((folder / name).read_bytes(), repr(str(folder / name)))
+            for name in ("rig.default.json", "weights.default.json")
+        )
         bones = rig.get("bones", rig)
         order = [name for name in bones if not bones[name].get("parent")]
         for name in order:  # grows while it is walked: breadth first
@@ -233,7 +235,9 @@ def read_rig(folder: Path, base: BaseMesh) -> SkinRig:
         heads, tails = (
             {name: _joint(bones[name][end], base.groups) for name in order} for end in ("head", "tail")
         )
-        entries = [(row, k, weight) for k, name in enumerate(order) for row, weight in table.get(name, ())]
+        entries = [
+            (row, k, weight) for k, name in enumerate(order) for row, weight in table["weights"].get(name, ())
+        ]
         rows, columns, values = (np.array(each) for each in zip(*entries, strict=True))
         shape = (len(base.vertices), len(order))
         raw = csr_array((values.astype(np.float64), (rows, columns)), shape=shape)
