@@ -129,3 +129,29 @@ def test_sensitivity_has_each_weight_halved_and_doubled():
     nll = found.set_index(["weight", "times"])["nll"]
     assert nll["fine_strain", 2.0] < nll["(as shipped)", 1.0] < nll["fine_strain", 0.5]
     assert nll["fine_missed", 2.0] == pytest.approx(nll["(as shipped)", 1.0])  # the same for all
+
+
+def test_what_quick_fits_foretell_is_recovered_whatever_the_pairs_have_in_common():
+    rng = np.random.default_rng(2)
+    table = pd.DataFrame({"body": np.repeat(["a", "b"], 40), "pair": np.repeat(["1", "2", "3", "4"], 20)})
+    table["regime"], common = "r", np.repeat(rng.normal(0, 50, 4), 20)
+    table["score"], table["quick_medial"] = rng.normal(size=(2, 80)) + common
+    table["log_likelihood"] = 12 * table["score"] - 30 * table["quick_medial"] + common
+    found = choice_model.foretold(table, Weights(quick_score=12.0, quick_medial=0.0))
+    np.testing.assert_allclose(found["quick_score"], 12, rtol=1e-6)
+    np.testing.assert_allclose(found["quick_medial"], 30, rtol=1e-6)
+    np.testing.assert_allclose(found["share"], 1, rtol=1e-6)
+    assert (found["share, shipped"] < 0.5).all()
+
+
+def test_what_none_being_right_depends_on_is_recovered():
+    rng = np.random.default_rng(3)
+    table = pd.DataFrame({"body": np.repeat(["a", "b"], 2000), "pair": np.arange(4000).astype(str)})
+    table["regime"], table["least"] = "r", 2.0
+    table["fine_seen"], table["log_likelihood"] = rng.uniform(0, 2, 4000), rng.uniform(-5, 15, 4000)
+    odds = table["log_likelihood"] - 1.0 - 4.0 * table["fine_seen"]
+    table["error"] = np.where(rng.uniform(size=4000) < 1 / (1 + np.exp(-odds)), 3.0, 30.0)
+    found = choice_model.none_right(table, Weights(none=0.0, none_seen=0.0))
+    np.testing.assert_allclose(found["none"], 1, atol=0.4)
+    np.testing.assert_allclose(found["none_seen"], 4, atol=0.4)
+    assert (found["nll"] < found["nll, shipped"]).all()

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medial.matching.registration.deformation_graph import Attachment
-from medial.matching.registration.evidence import Weights, probabilities
+from medial.matching.registration.evidence import probabilities
 from medial.matching.registration.placement import Placement
 from medial.matching.registration.refinement import DenseFit
 from medial.matching.registration.selection import Rival
@@ -21,10 +21,10 @@ SAME_PLACE = 0.1
 
 
 def confidence_of_fit(
-    weights: Weights,
     dense: DenseFit,
     number: int,
     rivals: list[Rival],
+    none: float,
     placements: list[Placement],
     attachment: Attachment,
     samples: Int,
@@ -33,14 +33,14 @@ def confidence_of_fit(
 
     Parameters
     ----------
-    weights
-        Of the evidence.
     dense
         The map.
     number
         Position of the quick fit that it came from.
     rivals
         What it is compared with, itself among them.
+    none
+        Log-likelihood of none of them being right.
     placements
         Of the quick fits.
     attachment
@@ -54,7 +54,7 @@ def confidence_of_fit(
         In [0, 1].
     """
     best = placements[number]
-    odds = probabilities(weights, np.array([each.log_likelihood for each in rivals]))
+    odds = probabilities(np.array([each.log_likelihood for each in rivals]), none)
     there = [placements[each.number].places for each in rivals]
     agree = [np.linalg.norm(places - best.places, axis=1) < SAME_PLACE for places in there]
     shared = odds @ np.array(agree)  # (s,)

@@ -5,14 +5,11 @@ from typing import NamedTuple
 
 from medial.matching.landmarks.candidates import Candidate
 from medial.matching.registration.direction import DirectedFit, Direction
-from medial.matching.registration.search import follow, half_turned, moving, search, settle, surely_seen
+from medial.matching.registration.search import follow, half_turned, moving, promises, search, settle
 
-ENOUGH = 1.35
-"""Share of the source that is found plus share of the target, in [0, 2], from which no further landmark sets
-are tried and the search does not go on once more."""
-BARELY = 1.1
-"""The same, up to which the search does not go on either: where half of each surface has no counterpart, what
-scores better after more of it is wrong as often as right."""
+SURE = 27.0
+"""Promise of a fit from which nothing further is tried. Much surface that meets is not enough: after half a
+turn front lies on back, and more meets than under the right map."""
 
 
 class SearchedFits(NamedTuple):
@@ -39,14 +36,15 @@ def search_from(
     tried
         Candidates of any direction.
     further
-        Makes more candidates, for when none of the first makes most of both surfaces meet. Then rigid motions
-        are tried as well, and the search goes on once more if that helps too little.
+        Makes more candidates, for when none of the first promises enough (`SURE`). Then rigid motions are
+        tried as well, and rivals are made of the best fits if that helps too little.
     """
     followed = follow(directions, tried)
     settled = settle(directions, followed)
     if further is None:
         return SearchedFits(tried, followed, moving(search(directions, moving(settled))))
-    if surely_seen(settled) < ENOUGH:
+    sure = max(promises(settled), default=0.0) >= SURE
+    if not sure:
         more = further()
         more_followed = follow(directions, more)
         settled += settle(directions, more_followed)
@@ -54,8 +52,6 @@ def search_from(
         if directions[0].pair.config.rigid_starts or not settled:
             settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
     fits = moving(search(directions, moving(settled)))
-    if BARELY < surely_seen(fits) < ENOUGH:
-        fits = moving(search(directions, fits))
-    if surely_seen(fits) < ENOUGH:
+    if not sure and max(promises(fits)) < SURE:
         fits = moving(fits + half_turned(directions, fits))
     return SearchedFits(tried, followed, fits)

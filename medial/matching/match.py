@@ -41,6 +41,7 @@ from medial.matching.mirror_check import mirror_verdict
 from medial.matching.nearest import single_blas_thread
 from medial.matching.prepared import PreparedPair, prepare_pair
 from medial.matching.registration.direction import Direction, pair_directions
+from medial.matching.registration.evidence import likelihood_of_none
 from medial.matching.registration.placement import place
 from medial.matching.registration.refinement import DenseFit
 from medial.matching.registration.search import forward_first
@@ -199,16 +200,16 @@ def _of_fits(pair: PreparedPair, directions: list[Direction], found: SearchedFit
     placements = run_tasks(place, [(f,) for f in fits])
     selection = FineSelection(fits, placements, config)
     finalists = selection.finalists()
-    rivals, weights = selection.rivals(finalists), directions[0].weights
-    best = finalists[0]
-    (_, probability), *others = groups(weights, rivals, placements)
+    rivals, best = selection.rivals(finalists), finalists[0]
+    none = likelihood_of_none(directions[0].weights, best.fit.seen)
+    (_, probability), *others = groups(rivals, none, placements)
     doubt = 1 - probability - sum(share for _, share in others)
     at, samples = placements[best.number], pair.source.descriptors.samples
     forward = [c for c in tried if not c.backward]
 
     def believed(dense: DenseFit, number: int) -> NDArray[np.float64]:
         hang = directions[0].attachment
-        return confidence_of_fit(weights, dense, number, rivals, placements, hang, samples)
+        return confidence_of_fit(dense, number, rivals, none, placements, hang, samples)
 
     dense = selection.dense(best)
     mapped = dense.match

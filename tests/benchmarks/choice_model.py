@@ -29,6 +29,8 @@ RIGHT = (1.25, 0.75)
 """A finalist is right up to this factor of the least error of its set, plus this; x 100 / sqrt(area)."""
 RIDGE = 0.003
 """Cost of the squared weights of standardised evidence: pairs without doubt would make them infinite."""
+WITHIN = 5.0
+"""A map is right whose error is within this of the least one that any map can have; x 100 / sqrt(area)."""
 TRIED = ("score", "fine_strain", "medial", "fine_missed", "seen", "strain", "held", "paths")
 """Weights that `sensitivity` halves and doubles."""
 
@@ -132,6 +134,59 @@ def sensitivity(table: pd.DataFrame, weights: Weights) -> pd.DataFrame:
         for name, by, each in cases
     ]
     return pd.DataFrame(rows)
+
+
+def foretold(table: pd.DataFrame, weights: Weights) -> pd.DataFrame:
+    """For each body: what quick fits of the others foretell of the log-likelihood, and how well on that body.
+
+    By least squares within choice sets. `share` is the share of the variance within them that is foretold, by
+    the fitted and by the given weights.
+    """
+    columns = ["log_likelihood", "score", "quick_medial"]
+    apart = table[columns] - table.groupby(SET)[columns].transform("mean")
+    given = np.array([weights.quick_score, -weights.quick_medial])
+    rows = []
+    for body in [*table["body"].unique(), "(all)"]:
+        there = (table["body"] == body) | (body == "(all)")
+        rest = ~there if (~there).any() else there
+        likelihood, quick = (apart[names].to_numpy(np.float64) for names in (columns[0], columns[1:]))
+        fitted = np.linalg.lstsq(quick[rest], likelihood[rest], rcond=None)[0]
+        shares = [_explained(likelihood[there], quick[there] @ each) for each in (fitted, given)]
+        named = {"quick_score": fitted[0], "quick_medial": -fitted[1]}
+        rows.append({"left out": body} | named | dict(zip(("share", "share, shipped"), shares, strict=True)))
+    return pd.DataFrame(rows)
+
+
+def none_right(table: pd.DataFrame, weights: Weights) -> pd.DataFrame:
+    """For each body: `Weights.none` and `none_seen` fitted to the others, and how well they foretell on it.
+
+    A choice set counts as right if its most likely finalist is within `WITHIN` of the least error of any map
+    of the pair. `nll` is the mean of -log(probability of what is the case); `share` is the share of
+    sets that are right.
+    """
+    chosen = table.loc[table.groupby(SET, sort=False)["log_likelihood"].idxmax()]
+    right = (chosen["error"] < chosen["least"] + WITHIN).to_numpy()
+    likelihood, seen = (chosen[name].to_numpy(np.float64) for name in ("log_likelihood", "fine_seen"))
+
+    def cost(none: Float, sets: Bool) -> float:
+        odds = likelihood[sets] - none[0] - none[1] * seen[sets]
+        return float(np.logaddexp(0, np.where(right[sets], -odds, odds)).mean())
+
+    given = np.array([weights.none, weights.none_seen])
+    rows = []
+    for body in [*chosen["body"].unique(), "(all)"]:
+        there = ((chosen["body"] == body) | (body == "(all)")).to_numpy()
+        rest = ~there if (~there).any() else there
+        fitted = minimize(cost, given, args=(rest,), method="Nelder-Mead").x
+        named = {"none": fitted[0], "none_seen": fitted[1], "share": right[there].mean()}
+        rows.append(
+            {"left out": body} | named | {"nll": cost(fitted, there), "nll, shipped": cost(given, there)}
+        )
+    return pd.DataFrame(rows)
+
+
+def _explained(values: Float, foretold_values: Float) -> float:
+    return 1 - float(((values - foretold_values) ** 2).sum() / (values**2).sum())
 
 
 def left_out(table: pd.DataFrame, weights: Weights) -> pd.DataFrame:

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 import datasets_gen
 from datasets_gen.compiled import run_tasks
@@ -35,7 +36,7 @@ from medial.matching.registration.evidence import Weights
 from medial.matching.registration.placement import path_change, place
 from medial.matching.registration.selection import FineSelection
 from scanner_sim import Scan, ScannerConfig, scan
-from tests.benchmarks.choice_model import SET, SIGNS, left_out, sensitivity
+from tests.benchmarks.choice_model import SET, SIGNS, foretold, left_out, none_right, sensitivity
 
 Float = NDArray[np.float64]
 
@@ -61,6 +62,8 @@ REGIMES = (
     Regime("3 views, tau 0.8", 3, 3, 0.8),
     Regime("front to back, 2 cameras", "front:2", "back:2", 0.3),
     Regime("left to right, 2 cameras", "left:2", "right:2", 0.3),
+    Regime("front to back, 1 camera", "front:1", "back:1", 0.3),
+    Regime("left to right, 1 camera", "left:1", "right:1", 0.3),
 )
 
 
@@ -110,9 +113,11 @@ def finalists_of(
                 {
                     "finalist": rank,
                     "score": placements[each.number].score,
+                    "quick_medial": placements[each.number].medial_gap,
                     "fine_strain": each.fit.strain,
                     "medial": each.medial_gap,
                     "fine_missed": each.fit.missed,
+                    "fine_seen": each.fit.seen,
                     "log_likelihood": each.log_likelihood,
                     "error": error_of(selection.dense(each).match),
                     **{name: getattr(quick, name) for name in ("seen", "missed", "strain", "held")},
@@ -145,10 +150,14 @@ def collected(bodies: list[str], points: int, pairs: str, seed: int) -> Iterator
                 for pose, each in zip(pair, (here, there), strict=True)
             )
             error_of = partial(straight_error, source, target, float(np.sqrt(body.reference.area)))
+            nearest = cKDTree(target).query(source)[1]
             about = {"body": body.subject, "pair": "-".join(pair), "regime": regime.name}
+            about |= {"least": error_of(nearest)}
             rows = finalists_of((here, there), error_of, seed)
-            least = min(row["error"] for row in rows)
-            sys.stderr.write(f"{', '.join(about.values())}: {len(rows)} finalists, best {least:.2f}\n")
+            best = min(row["error"] for row in rows)
+            sys.stderr.write(
+                f"{body.subject}, {'-'.join(pair)}, {regime.name}: {len(rows)} finalists, best {best:.2f}\n"
+            )
             yield from (about | row for row in rows)
 
 
@@ -178,7 +187,19 @@ def read(path: Path) -> pd.DataFrame:
         table = pd.read_parquet(path)
     except (OSError, ValueError) as error:
         raise InputError(f"cannot read the fits {str(path)!r}: {error}") from error
-    lacking = {*SET, *SIGNS, "error", "seen", "missed", "strain", "held", "paths"} - {*table.columns}
+    lacking = {
+        *SET,
+        *SIGNS,
+        "error",
+        "seen",
+        "missed",
+        "strain",
+        "held",
+        "paths",
+        "quick_medial",
+        "fine_seen",
+        "least",
+    } - {*table.columns}
     if lacking or table.empty:
         raise InputError(f"{str(path)!r} holds no fits; it lacks {', '.join(sorted(lacking)) or 'rows'}")
     return table
@@ -195,6 +216,10 @@ def report(table: pd.DataFrame) -> str:
                 "\nWeights fitted to the other bodies, and the shipped ones, on the body left out",
                 "(excess: error of the chosen finalist less that of the best, x 100 / sqrt(area)):\n",
                 left_out(table, weights).to_string(index=False),
+                "\nWhat quick fits of the other bodies foretell of the likelihood on the body left out:\n",
+                foretold(table, weights).to_string(index=False),
+                "\nThat none is right, fitted to the other bodies, on the body left out:\n",
+                none_right(table, weights).to_string(index=False),
                 "\nEach shipped weight halved and doubled; the search is not done again:\n",
                 sensitivity(table, weights).to_string(index=False),
                 "",

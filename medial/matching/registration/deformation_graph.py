@@ -247,3 +247,12 @@ def moved(
     return blend(
         points, directions, attachment.nodes, attachment.weights, graph.rest, pose.rotations, pose.positions
     )
+
+
+def moved_centers(
+    points: Float, centers: Float, attachment: Attachment, graph: NodeGraph, pose: Pose
+) -> Float:
+    """Medial centres (n, 3) of points (n, 3) that hang on nodes, in a pose; each keeps its distance."""
+    spokes = centers - points
+    here, toward = moved(points, spokes, attachment, graph, pose)
+    return here + np.linalg.norm(spokes, axis=1)[:, None] * toward

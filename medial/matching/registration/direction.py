@@ -14,8 +14,8 @@ from medial.matching.common_units import Int
 from medial.matching.landmarks.candidates import Candidate
 from medial.matching.landmarks.rigid_starts import half_turns, principal_axes, rigid_poses
 from medial.matching.prepared import PreparedCloud, PreparedPair
-from medial.matching.registration.deformation_graph import NodeGraph, Pose
-from medial.matching.registration.evidence import Weights
+from medial.matching.registration.deformation_graph import NodeGraph, Pose, moved_centers
+from medial.matching.registration.evidence import Weights, medial_gap
 from medial.matching.registration.exchange import ExchangeLimits, distinct, exchange_parts
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.refinement import FineDeformation
@@ -23,6 +23,8 @@ from medial.matching.registration.registration import Registration, Schedule, fe
 from medial.matching.registration.visibility import Visibility
 
 QUICK = Schedule()
+BALLS = 2000
+"""Medial balls of the cloud that stays, by which quick fits are compared."""
 LIKE = 0.02
 """Fits whose points are on average closer than this, in sqrt(area), before they settle count as one."""
 EARLY = 5
@@ -71,6 +73,19 @@ class DirectedFit(Fit):
         deformed = features(*self.direction.registration.moved(self.pose))
         near = nearest_places(deformed, features(cloud.points[samples], cloud.normals[samples]))
         return here.descriptors.samples[near]
+
+    def medial_gap(self) -> float:
+        """How far the samples' medial balls, moved with the fit, are from `BALLS` of the other cloud."""
+        here, there, rows = (
+            self.direction.source,
+            self.direction.target.cloud,
+            self.direction.target.cover[:BALLS],
+        )
+        cloud, samples, hang = here.cloud, here.descriptors.samples, self.direction.attachment
+        centers = moved_centers(
+            cloud.points[samples], cloud.centers[samples], hang.rows(samples), self.direction.graph, self.pose
+        )
+        return medial_gap(centers, cloud.radii[samples], there.centers[rows], there.radii[rows])
 
 
 class Direction:

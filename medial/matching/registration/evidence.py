@@ -49,9 +49,15 @@ class Weights:
     """Of the distance between medial balls (`medial_gap`)."""
     fine_missed: float = 2.0
     """Of the surface that the finely settled fit misses."""
-    none: float = 1.0
-    """Log-likelihood of no map of those found being right: right ones of posed bodies were at 2 to 15, the
-    best ones between unrelated shapes below -5."""
+    quick_score: float = 17.0
+    """Log-likelihood that a unit of score foretells before a fit is settled finely, by least squares."""
+    quick_medial: float = 25.0
+    """The same of the distance between the medial balls of the quick fit, which is larger."""
+    none: float = -3.0
+    """Log-likelihood of no map of those found being right, where no surface meets."""
+    none_seen: float = 7.0
+    """The same for a unit of surface that meets (`Fit.seen`) under the most likely map: a right one strains
+    little where much meets."""
 
     @classmethod
     def of(cls, kinds: Collection[Kind]) -> "Weights":
@@ -64,7 +70,7 @@ class Weights:
             weights = replace(weights, strain=0.0, held=0.0, fine_strain=0.0)
         if "paths" not in kinds:
             weights = replace(weights, paths=0.0, mirrored_paths=0.0)
-        return weights if "medial" in kinds else replace(weights, medial=0.0)
+        return weights if "medial" in kinds else replace(weights, medial=0.0, quick_medial=0.0)
 
 
 WEIGHTS = Weights()
@@ -93,6 +99,20 @@ def log_likelihood(
     )
 
 
+def promise(weights: Weights, score: float, medial: float) -> float:
+    """What a quick fit foretells of the log-likelihood, up to what all fits of a pair have in common.
+
+    Parameters
+    ----------
+    weights
+    score
+        `Placement.score`.
+    medial
+        `medial_gap` of the quick fit.
+    """
+    return weights.quick_score * score - weights.quick_medial * medial
+
+
 def medial_gap(centers: Float, radii: Float, other_centers: Float, other_radii: Float) -> float:
     """How far two sets of medial balls are apart, in their unit of length.
 
@@ -117,8 +137,20 @@ def medial_gap(centers: Float, radii: Float, other_centers: Float, other_radii: 
     return float(cKDTree(there).query(here)[0].mean() + cKDTree(here).query(there)[0].mean())
 
 
-def probabilities(weights: Weights, log_likelihoods: Float) -> Float:
-    """Probability of each map, (n,): its share of all exp(log-likelihood), with that of `Weights.none`."""
-    rivals = np.append(log_likelihoods, weights.none)
+def likelihood_of_none(weights: Weights, seen: float) -> float:
+    """Log-likelihood of no map of those found being right.
+
+    Parameters
+    ----------
+    weights
+    seen
+        `Fit.seen` of the most likely one, finely settled.
+    """
+    return weights.none + weights.none_seen * seen
+
+
+def probabilities(log_likelihoods: Float, none: float) -> Float:
+    """Probability of each map, (n,): its share of all exp(log-likelihood), with that of none being right."""
+    rivals = np.append(log_likelihoods, none)
     odds = np.exp(rivals - rivals.max())
     return np.asarray(odds[:-1] / odds.sum())

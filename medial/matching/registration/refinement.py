@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.compiled import thread_count
 from medial.matching.common_units import CloudInUnits
-from medial.matching.registration.deformation_graph import Attachment, NodeGraph, Pose, moved
+from medial.matching.registration.deformation_graph import Attachment, NodeGraph, Pose, moved, moved_centers
 from medial.matching.registration.evidence import WEIGHTS, Weights, medial_gap
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.registration import Registration, Schedule, features, found
@@ -137,11 +137,10 @@ class FineDeformation:
 
     def medial_gap(self, fit: Fit) -> float:
         """How far the medial balls of the source, moved with their points, are from the target's."""
-        taken = self._taken
-        source, target = self.source, self.target
-        spokes = source.centers[taken] - source.points[taken]
-        here, toward = moved(source.points[taken], spokes, self.attachment.rows(taken), self.graph, fit.pose)
-        centers = here + np.linalg.norm(spokes, axis=1)[:, None] * toward
+        taken, source, target = self._taken, self.source, self.target
+        centers = moved_centers(
+            source.points[taken], source.centers[taken], self.attachment.rows(taken), self.graph, fit.pose
+        )
         return medial_gap(centers, source.radii[taken], target.centers, target.radii)
 
     def dense(self, fit: Fit) -> DenseFit:

@@ -6,15 +6,15 @@ Lists of fits are flat; each fit knows its direction (`DirectedFit`).
 from collections.abc import Iterable
 from typing import Protocol, TypeVar
 
+from datasets_gen.compiled import run_tasks
 from medial.matching.landmarks.candidates import Candidate
 from medial.matching.registration.direction import LIKE, DirectedFit, Direction
+from medial.matching.registration.evidence import promise
 from medial.matching.registration.exchange import distinct
-from medial.matching.registration.placement import UNMOVED, unmoved
+from medial.matching.registration.placement import UNMOVED, place, unmoved
 
 INVERTED = 8
 """Fits of each direction that are inverted for the other one, before and after parts are exchanged."""
-RIVAL = 0.15
-"""Fits whose score is within this of the best may be right instead of it."""
 WITHIN = 0.25
 """After that, fits whose score is lower than the best by more than this are not inverted."""
 
@@ -83,25 +83,18 @@ def with_inverses(
 
 
 def half_turned(directions: list[Direction], fits: list[DirectedFit]) -> list[DirectedFit]:
-    """Rivals of the best fit of each direction, made on purpose (`Direction.half_turns`)."""
-    return [
-        rival
-        for each in directions
-        for best in distinct(of(each, fits), 1)
-        for rival in each.half_turns(best)
-    ]
+    """Rivals of the most promising fit of each direction, made on purpose (`Direction.half_turns`)."""
+    ranked = sorted(zip(promises(fits), range(len(fits)), strict=True), reverse=True)
+    best = {fits[k].direction: fits[k] for _, k in reversed(ranked)}
+    return [rival for each in directions if each in best for rival in each.half_turns(best[each])]
+
+
+def promises(fits: list[DirectedFit]) -> list[float]:
+    """What each fit foretells of the log-likelihood of its map (`evidence.promise`)."""
+    placements = run_tasks(place, [(fit,) for fit in fits])
+    return [promise(fit.weights, at.score, at.medial_gap) for fit, at in zip(fits, placements, strict=True)]
 
 
 def moving(fits: list[DirectedFit]) -> list[DirectedFit]:
     """The fits that do not leave the body in place (`placement.UNMOVED`); all of them if every one does."""
     return [fit for fit in fits if unmoved(fit) <= UNMOVED] or fits
-
-
-def surely_seen(fits: list[DirectedFit]) -> float:
-    """The least `Fit.seen` of the best fits that do not leave the body where it is; in [0, 2].
-
-    A rival of nearly the same score that sees much less says that the scans may share little surface.
-    """
-    kept = [fit for fit in fits if unmoved(fit) <= UNMOVED]
-    best = max((fit.score for fit in kept), default=0.0)
-    return min((fit.seen for fit in kept if fit.score > best - RIVAL), default=0.0)

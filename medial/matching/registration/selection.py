@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from datasets_gen.compiled import run_tasks
 from medial.matching.config import MatchConfig
 from medial.matching.registration.direction import DirectedFit, Direction
-from medial.matching.registration.evidence import Weights, log_likelihood, probabilities
+from medial.matching.registration.evidence import log_likelihood, probabilities, promise
 from medial.matching.registration.exchange import SAME_FIT
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.placement import Placement
@@ -17,12 +17,12 @@ from medial.matching.registration.refinement import DenseFit, FineDeformation
 
 Float = NDArray[np.float64]
 
-NEAR_BEST = 0.4
-"""Fits whose score is within this of the best are settled finely."""
+NEAR_BEST = 7.0
+"""Fits whose promise is within this of the best are settled finely."""
 VARIANTS = 3
 """At most so many fits that differ from the best one in a limb alone are settled finely as well."""
-VARIANT_NEAR = 0.1
-"""Those whose score is within this of the best."""
+VARIANT_NEAR = 1.7
+"""Those whose promise is within this of the best."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,8 @@ class FineSelection:
     def __init__(self, fits: list[DirectedFit], placements: list[Placement], config: MatchConfig) -> None:
         self._fits, self._placements, self._config = fits, placements, config
         self._weights = fits[0].weights
+        self._promise = [promise(self._weights, each.score, each.medial_gap) for each in placements]
+        self._order = sorted(range(len(placements)), key=lambda k: -self._promise[k])
         self._nodes = config.fine_nodes if config.refine == "deform" else config.nodes
         self._fine: dict[Direction, FineDeformation] = {}
 
@@ -94,14 +96,12 @@ class FineSelection:
         finalists
             The most likely one first.
         """
-        unit, rivals = self._weights.score, list[Rival](finalists)
-        loss = float(
-            np.median([unit * self._placements[f.number].score - f.log_likelihood for f in finalists])
-        )
-        for k in _by_score(self._placements):
+        rivals = list[Rival](finalists)
+        loss = float(np.median([self._promise[f.number] - f.log_likelihood for f in finalists]))
+        for k in self._order:
             each = self._placements[k]
             if all(each.gap(self._placements[other.number]) > SAME_FIT for other in rivals):
-                rivals.append(Rival(k, min(finalists[0].log_likelihood, unit * each.score - loss)))
+                rivals.append(Rival(k, min(finalists[0].log_likelihood, self._promise[k] - loss)))
         return rivals
 
     def dense(self, finalist: Finalist) -> DenseFit:
@@ -111,26 +111,25 @@ class FineSelection:
         return fine.inverse(finalist.fit) if fit.backward else fine.dense(finalist.fit)
 
     def _whole_maps(self) -> list[int]:
-        """Fits of nearly the best score that differ from each other as a whole, best first."""
-        order = _by_score(self._placements)
-        highest = self._placements[order[0]].score
+        """Fits of nearly the best promise that differ from each other as a whole, best first."""
+        highest = self._promise[self._order[0]]
         kept: list[int] = []
-        for k in order:
-            if self._placements[k].score < highest - NEAR_BEST or len(kept) == self._config.finalists:
+        for k in self._order:
+            if self._promise[k] < highest - NEAR_BEST or len(kept) == self._config.finalists:
                 break
             if all(self._placements[k].gap(self._placements[other]) > SAME_FIT for other in kept):
                 kept.append(k)
         return kept
 
     def _variants(self, best: int, settled: set[int]) -> list[int]:
-        """Other fits that are like the best one and score nearly as well; best first."""
-        leader = self._placements[best]
+        """Other fits that are like the best one and promise nearly as much; best first."""
+        leader, least = self._placements[best], self._promise[best] - VARIANT_NEAR
         near = [
             k
-            for k, each in enumerate(self._placements)
-            if k not in settled and each.like(leader) and each.score > leader.score - VARIANT_NEAR
+            for k in self._order
+            if k not in settled and self._placements[k].like(leader) and self._promise[k] > least
         ]
-        return sorted(near, key=lambda k: -self._placements[k].score)[:VARIANTS]
+        return near[:VARIANTS]
 
     def _settled(self, numbers: list[int]) -> list[Finalist]:
         """Carry fits over to fine nodes and settle them there."""
@@ -150,14 +149,15 @@ class FineSelection:
         return Finalist(k, likelihood, fit, gap)
 
 
-def groups(weights: Weights, rivals: list[Rival], placements: list[Placement]) -> list[tuple[Rival, float]]:
+def groups(rivals: list[Rival], none: float, placements: list[Placement]) -> list[tuple[Rival, float]]:
     """The first rival of each group of like ones (`Placement.like`), and its group's probability.
 
     Parameters
     ----------
-    weights
     rivals
         Each group's most likely one before the others.
+    none
+        Log-likelihood of none being right.
     placements
         Of all fits.
     """
@@ -165,13 +165,8 @@ def groups(weights: Weights, rivals: list[Rival], placements: list[Placement]) -
     for each in rivals:
         if not any(placements[each.number].like(placements[head.number]) for head in heads):
             heads.append(each)
-    share = probabilities(weights, np.array([head.log_likelihood for head in heads]))
+    share = probabilities(np.array([head.log_likelihood for head in heads]), none)
     return list(zip(heads, share.tolist(), strict=True))
-
-
-def _by_score(placements: list[Placement]) -> list[int]:
-    """Positions, the highest score first."""
-    return sorted(range(len(placements)), key=lambda k: -placements[k].score)
 
 
 def _ranked(finalists: Iterable[Finalist]) -> list[Finalist]:

@@ -45,9 +45,9 @@ def test_landmarks_are_points_of_source_and_target_whatever_the_direction(direct
             assert np.isin(candidate.landmarks[:, 1], samples[1]).all()
 
 
-@pytest.mark.parametrize(("enough", "number"), [(0.0, 1), (2.0, 2)])
-def test_more_sets_are_tried_only_where_the_first_do_not_do(batches, monkeypatch, enough, number):
-    monkeypatch.setattr("medial.matching.fit_search.ENOUGH", enough)
+@pytest.mark.parametrize(("sure", "number"), [(-1e9, 1), (1e9, 2)])
+def test_more_sets_are_tried_only_where_the_first_do_not_do(batches, monkeypatch, sure, number):
+    monkeypatch.setattr("medial.matching.fit_search.SURE", sure)
     found = match(figure(), bent_figure(*BENT), SMALL)
     assert len(found.restarts["cost"]) == sum(map(len, batches[:number]))
 

@@ -7,7 +7,6 @@ import pytest
 
 from medial.matching.confidence import confidence_of_fit, confidence_of_residual
 from medial.matching.registration.deformation_graph import NodeGraph
-from medial.matching.registration.evidence import WEIGHTS
 from medial.matching.registration.placement import Placement
 from medial.matching.registration.refinement import DenseFit
 from medial.matching.registration.selection import Rival
@@ -16,7 +15,7 @@ COORDINATES = np.random.default_rng(0).standard_normal((120, 3)).astype(np.float
 GRAPH, ATTACHMENT = NodeGraph.over(COORDINATES, COORDINATES.astype(float), np.arange(120), 12)
 SURE = DenseFit(np.arange(120), np.ones(120), np.ones(120), np.ones(120))
 SAMPLES = np.arange(0, 120, 2)
-LIKELY = 40.0
+LIKELY, NONE = 40.0, -100.0
 BEST = Placement(COORDINATES[SAMPLES].astype(float), 1.5)
 
 
@@ -25,7 +24,7 @@ def confidence(dense, *rivals):
     values = LIKELY + np.array([0.0, *(loss for _, loss in rivals)])
     compared = [Rival(k, value) for k, value in enumerate(values)]
     placements = [BEST, *(place for place, _ in rivals)]
-    return confidence_of_fit(WEIGHTS, dense, 0, compared, placements, ATTACHMENT, SAMPLES)
+    return confidence_of_fit(dense, 0, compared, NONE, placements, ATTACHMENT, SAMPLES)
 
 
 def rival(loss, samples=slice(None)):

@@ -9,9 +9,11 @@ from medial.matching.registration.evidence import (
     KINDS,
     WEIGHTS,
     Weights,
+    likelihood_of_none,
     log_likelihood,
     medial_gap,
     probabilities,
+    promise,
 )
 
 RANDOM = np.random.default_rng(0)
@@ -38,7 +40,7 @@ def test_all_kinds_together_are_the_default():
         ("visibility", set()),
         ("strain", {"strain", "held", "fine_strain"}),
         ("paths", {"paths", "mirrored_paths"}),
-        ("medial", {"medial"}),
+        ("medial", {"medial", "quick_medial"}),
     ],
 )
 def test_what_is_left_out_weighs_nothing(kind, gone):
@@ -58,6 +60,11 @@ def test_likelihood_falls_with_each_cost_and_rises_with_the_score():
 def test_likelihood_is_a_weighted_sum():
     weights = Weights(score=3.0, fine_strain=70.0, medial=5.0, fine_missed=0.5)
     assert log_likelihood(weights, 2.0, 0.01, 0.3, 0.9) == pytest.approx(6 - 0.7 - 1.5 - 0.45)
+
+
+def test_promise_rises_with_the_score_and_falls_with_the_gap():
+    weights = Weights(quick_score=20.0, quick_medial=3.0)
+    assert promise(weights, 2.0, 0.5) == pytest.approx(38.5)
 
 
 def test_the_same_balls_have_no_gap_and_others_that_of_their_nearest():
@@ -87,13 +94,18 @@ def test_surface_operators_have_no_medial_balls():
 
 
 def test_probabilities_add_up_and_do_not_overflow():
-    share = probabilities(WEIGHTS, np.array([1000.0, 1000.0, 999.0, -1e6]))
+    share = probabilities(np.array([1000.0, 1000.0, 999.0, -1e6]), 1.0)
     assert share.sum() == pytest.approx(1)
     assert share[0] == share[1] == pytest.approx(np.e * share[2])
     assert share[3] == 0
 
 
 def test_where_every_map_is_unlikely_none_is_probable():
-    one = probabilities(WEIGHTS, np.array([WEIGHTS.none]))
-    assert one[0] == 0.5
-    assert probabilities(WEIGHTS, np.array([-30.0, -31.0])).sum() < 1e-10
+    assert probabilities(np.array([2.5]), 2.5)[0] == 0.5
+    assert probabilities(np.array([-30.0, -31.0]), 1.0).sum() < 1e-10
+
+
+def test_the_more_meets_the_likelier_a_right_map_has_to_be():
+    weights = Weights(none=-2.0, none_seen=3.0)
+    assert likelihood_of_none(weights, 0.0) == -2
+    assert likelihood_of_none(weights, 1.5) == pytest.approx(2.5)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from medial.matching.common_units import common_units
-from medial.matching.registration.evidence import WEIGHTS
+from medial.matching.registration.deformation_graph import Pose
+from medial.matching.registration.direction import BALLS, DirectedFit
+from medial.matching.registration.evidence import WEIGHTS, medial_gap
 from medial.matching.registration.placement import (
     ALIKE,
     Placement,
@@ -59,6 +61,32 @@ def test_without_path_lengths_the_score_is_that_of_the_fit():
     bare = Directions(paths=False)
     fit = bare.best(bare.settled(true_landmarks()))[0]
     assert place(fit).score == fit.score
+
+
+def unmoved_fit(direction):
+    rest = direction.graph.rest
+    pose = Pose(np.tile(np.eye(3), (len(rest), 1, 1)), rest)
+    return DirectedFit(**vars(direction.registration.judge(pose)), direction=direction)
+
+
+def test_medial_balls_of_a_limb_elsewhere_do_not_meet(directions, right):
+    lost = directions.all[0].follow([directions.astray])[0]
+    assert lost.medial_gap() > right.medial_gap() + 0.01
+    assert place(lost).medial_gap == lost.medial_gap()
+
+
+def test_where_nothing_moves_the_medial_gap_is_that_of_the_samples(directions):
+    direction = directions.all[0]
+    here, there = direction.source, direction.target
+    samples, balls = here.descriptors.samples, there.cover[:BALLS]
+    still = unmoved_fit(direction)
+    expected = medial_gap(
+        here.cloud.centers[samples],
+        here.cloud.radii[samples],
+        there.cloud.centers[balls],
+        there.cloud.radii[balls],
+    )
+    assert still.medial_gap() == pytest.approx(expected, abs=1e-6)
 
 
 def test_between_two_clouds_nothing_has_to_move(right):

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from medial import match
-from medial.matching.registration.direction import LIKE
+from medial.matching.registration.direction import LIKE, Direction
+from medial.matching.registration.evidence import promise
 from medial.matching.registration.exchange import SAME_FIT, distinct
 from medial.matching.registration.placement import place
-from medial.matching.registration.search import forward_first, moving, of, search, surely_seen
+from medial.matching.registration.search import forward_first, half_turned, moving, of, promises, search
 from tests.medial.matching.registration.directions import BENT, SMALL, Directions, true_landmarks
 from tests.medial.posed import bent_figure, figure, right_arm
 
@@ -74,23 +75,30 @@ def test_what_stays_in_place_counts_only_if_all_does(found, monkeypatch):
     monkeypatch.setattr("medial.matching.registration.search.unmoved", lambda fit: float(fit is found[0]))
     assert moving(found) == found[1:]
     assert moving(found[:1]) == found[:1]
-    assert surely_seen(found[:1]) == 0
-    assert surely_seen(found) == max(fit.seen for fit in found[1:])
 
 
-@pytest.mark.parametrize(("enough", "barely", "times"), [(0.0, 0.0, 1), (2.0, 0.0, 2), (2.0, 2.0, 1)])
-def test_the_search_goes_on_once_more_where_too_little_meets(monkeypatch, enough, barely, times):
-    best = []
+def test_a_fit_promises_what_its_placement_does(found):
+    for fit, value in zip(found, promises(found), strict=True):
+        at = place(fit)
+        assert value == promise(fit.weights, at.score, at.medial_gap)
+
+
+@pytest.mark.parametrize(("sure", "made"), [(-1e9, 0), (1e9, 1)])
+def test_rivals_are_made_where_no_fit_promises_enough(monkeypatch, sure, made):
+    calls = []
 
     def watched(directions, fits):
-        found = search(directions, fits)
-        best.append(tuple(max(f.score for f in some) for some in (fits, found)))
-        return found
+        calls.append(fits)
+        return half_turned(directions, fits)
 
-    monkeypatch.setattr("medial.matching.fit_search.ENOUGH", enough)
-    monkeypatch.setattr("medial.matching.fit_search.BARELY", barely)
-    monkeypatch.setattr("medial.matching.fit_search.search", watched)
+    monkeypatch.setattr("medial.matching.fit_search.SURE", sure)
+    monkeypatch.setattr("medial.matching.fit_search.half_turned", watched)
     match(figure(), bent_figure(*BENT), SMALL)
-    assert len(best) == times
-    assert all(after >= before for before, after in best)
-    assert best[-1][0] >= best[0][1]  # from where it ended
+    assert len(calls) == made
+
+
+def test_rivals_are_made_of_the_most_promising_fit_of_each_direction(directions, found, monkeypatch):
+    turned = []
+    monkeypatch.setattr(Direction, "half_turns", lambda self, fit: turned.append(fit) or [])
+    assert half_turned(directions.all, found) == []
+    assert turned == [max(of(each, found), key=lambda fit: promises([fit])[0]) for each in directions.all]

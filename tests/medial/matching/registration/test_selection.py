@@ -59,9 +59,19 @@ def test_strain_of_the_finely_settled_fit_decides_between_equal_scores(fits, mon
 
 def test_fits_that_are_far_from_the_best_score_are_not_settled(fits):
     at = place(fits[0])
-    placements = [shifted(at, 3 * ALIKE * k, 1.5 - 0.6 * NEAR_BEST * k) for k in range(3)]
+    placements = [
+        shifted(at, 3 * ALIKE * k, 1.5 - 0.6 * NEAR_BEST / WEIGHTS.quick_score * k) for k in range(3)
+    ]
     found = selected([fits[0]] * 3, placements, replace(SMALL, finalists=3))
     assert sorted(each.number for each in found) == [0, 1]
+
+
+def test_of_equal_scores_those_whose_medial_balls_meet_are_settled(fits):
+    at = place(fits[0])
+    apart = [shifted(at, 3 * ALIKE * k, 1.5) for k in range(4)]
+    placements = [replace(each, medial_gap=0.05 * k) for k, each in enumerate(apart)]
+    found = selected([fits[0]] * 4, placements[::-1], replace(SMALL, finalists=2))
+    assert sorted(each.number for each in found) == [2, 3]
 
 
 def test_of_like_fits_the_best_is_compared_as_a_whole_map_and_some_as_variants(fits):
@@ -99,7 +109,7 @@ def test_like_finalists_are_one_group_and_groups_share_the_probability(fits):
     placements = [shifted(at, shift, 1.0) for shift in shifts]
     values = (22.0, 21.5, 21.0)
     rivals = [Rival(k, value) for k, value in enumerate(values)]
-    (first, likely), (second, less) = groups(WEIGHTS, rivals, placements)
+    (first, likely), (second, less) = groups(rivals, -100.0, placements)
     assert (first.number, second.number) == (0, 2)
     assert likely + less == pytest.approx(1)
     assert likely / less == pytest.approx(np.e)
@@ -117,4 +127,4 @@ def test_fits_that_were_not_settled_finely_are_rivals_by_their_score(fits):
     assert selection.rivals([best, best, lossy, lossy, lossy])[-1].log_likelihood < rivals[-1].log_likelihood
     assert [each.number for each in rivals] == [0, 1, 2]
     losses = [best.log_likelihood - each.log_likelihood for each in rivals]
-    assert losses == pytest.approx([0.0, 0.1 * WEIGHTS.score, 0.2 * WEIGHTS.score])
+    assert losses == pytest.approx([0.0, 0.1 * WEIGHTS.quick_score, 0.2 * WEIGHTS.quick_score])
