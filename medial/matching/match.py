@@ -7,7 +7,7 @@ With `MatchConfig.paper()` this is Sec. 4: `match_by_cost`. By default it is `ma
    (`candidate_batches`),
 3. follow them: deform one cloud along each candidate, in both directions (`registration.direction`),
 4. settle: let the surfaces meet, by rounds of closest points; also from rigid motions where no candidate
-   makes them meet,
+   promises to be right,
 5. exchange parts between settled fits, as one may have the arms right and another one the legs, and invert
    fits for the opposite direction (`registration.search`),
 6. add rivals on purpose, the best fit turned by half a turn; deform the good ones with more nodes, and select
