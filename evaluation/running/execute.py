@@ -14,6 +14,7 @@ from evaluation.experiment.tasks import Task
 from evaluation.results.outcome import Outcome, one_line
 from evaluation.running.attempts import AGAIN, Attempt
 from evaluation.running.cluster import Cluster
+from evaluation.running.process import polled_interrupts
 from evaluation.running.progress import ProgressCallbacks
 from evaluation.running.task_queue import TaskQueue
 from evaluation.running.worker import run_task
@@ -77,38 +78,45 @@ def execute(
             submit(suspects.popleft(), True)
 
     watch = WorkerWatch(cluster, limit)
-    submit_what_can_run()
-    while flying:
-        future = _next(done, watch)
-        task, alone = flying.pop(future.key)
-        outcome = _outcome(Attempt(folder, task, run, limit, alone), task, future, watch, alone)
-        future.release()  # or Dask runs it again if the worker that holds the outcome ends
-        if outcome.kind == AGAIN:
-            suspects.append(task)
-        else:
-            for each in _settle(queue, outcome):
-                failures.extend([] if each.ok else [each])
-                progress.advance(each)
+    with polled_interrupts(lambda: done.put(None)) as check_interrupt:
+
+        def look() -> None:
+            check_interrupt()
+            watch.look()
+
         submit_what_can_run()
+        while flying:
+            future = _next(done, look)
+            task, alone = flying.pop(future.key)
+            outcome = _outcome(Attempt(folder, task, run, limit, alone), task, future, look, alone)
+            future.release()  # or Dask runs it again if the worker that holds the outcome ends
+            if outcome.kind == AGAIN:
+                suspects.append(task)
+            else:
+                for each in _settle(queue, outcome):
+                    failures.extend([] if each.ok else [each])
+                    progress.advance(each)
+            submit_what_can_run()
     return failures
 
 
-def _next(done: "SimpleQueue[Any]", watch: WorkerWatch) -> Any:
-    """The next future that has ended, with looks at the workers meanwhile."""
+def _next(done: "SimpleQueue[Any]", look: Callable[[], None]) -> Any:
+    """The next future that has ended, with looks at the workers and at Ctrl-C meanwhile."""
     while True:
-        watch.look()
+        look()
         with contextlib.suppress(Empty):
-            return done.get(timeout=LOOK_EVERY)
+            if (future := done.get(timeout=LOOK_EVERY)) is not None:  # it is None when Ctrl-C ends the wait
+                return future
 
 
-def _outcome(attempt: Attempt, task: Task, future: Any, watch: WorkerWatch, alone: bool) -> Outcome:
+def _outcome(attempt: Attempt, task: Task, future: Any, look: Callable[[], None], alone: bool) -> Outcome:
     """What a worker reported, or what Dask says of a task whose worker never answered.
 
     Dask gives up on a task that was waiting at several workers when others took them down: it is innocent
     until that happens when it is alone.
     """
     try:
-        found = _result(future, watch)
+        found = _result(future, look)
     except CancelledError as error:
         raise InputError(
             f"the scheduler is gone ({one_line(error)}); results are stored, the same command goes on"
@@ -119,7 +127,7 @@ def _outcome(attempt: Attempt, task: Task, future: Any, watch: WorkerWatch, alon
     return found if isinstance(found, Outcome) else Outcome(task, False, f"no outcome but {found!r}", "crash")
 
 
-def _result(future: Any, watch: WorkerWatch) -> Any:
+def _result(future: Any, look: Callable[[], None]) -> Any:
     """What a task returned; the worker that holds it may hang, and runs it again when it was replaced."""
     while True:
         try:
@@ -127,7 +135,7 @@ def _result(future: Any, watch: WorkerWatch) -> Any:
         except TimeoutError:
             if future.status == "error":  # it is what the task raised
                 raise
-            watch.look()
+            look()
 
 
 def _settle(queue: TaskQueue, outcome: Outcome) -> Iterator[Outcome]:

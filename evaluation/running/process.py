@@ -6,9 +6,10 @@ import functools
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from multiprocessing import resource_tracker
 from pathlib import Path
+from types import FrameType
 
 
 @contextlib.contextmanager
@@ -31,6 +32,47 @@ def hold_interrupts() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
     if heard:
         raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def polled_interrupts(wake: Callable[[], object] = lambda: None) -> Iterator[Callable[[], None]]:
+    """Ctrl-C that is raised where the block asks for it, and at its end.
+
+    Raised anywhere it can be lost: Python prints and ignores what is raised in a finalizer, such as that of
+    Dask's futures, and the run would go on. Pressed again it is raised at once.
+
+    Parameters
+    ----------
+    wake
+        Called when Ctrl-C is pressed, to end a wait. It must be safe in a signal handler.
+
+    Yields
+    ------
+    callable
+        Raises KeyboardInterrupt if Ctrl-C was pressed.
+    """
+    heard: list[int] = []
+
+    def check() -> None:
+        if heard:
+            raise KeyboardInterrupt
+
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield check  # a thread, which no signal reaches; or a process that ignores it
+        return
+
+    def hear(number: int, frame: FrameType | None) -> None:
+        check()
+        heard.append(number)
+        wake()
+
+    signal.signal(signal.SIGINT, hear)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
+    check()
 
 
 @contextlib.contextmanager

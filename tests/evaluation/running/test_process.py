@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from evaluation.running.process import hold_interrupts, peak_memory, single_thread
+from evaluation.running.process import hold_interrupts, peak_memory, polled_interrupts, single_thread
 
 
 def test_peak_memory_of_a_block():
@@ -44,3 +44,52 @@ def test_ctrl_c_waits_for_the_end_of_the_block_and_does_not_reach_its_children()
     with hold_interrupts():
         pass
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, set())
+
+
+class Interrupted:
+    """Something whose finalizer is running when Ctrl-C is pressed, like that of Dask's futures."""
+
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_ctrl_c_in_a_finalizer_is_not_lost(capsys):
+    woken = []
+
+    def block():
+        with polled_interrupts(lambda: woken.append(1)) as check:
+            check()
+            Interrupted()  # ends here
+            check()
+
+    with pytest.raises(KeyboardInterrupt):
+        block()
+    assert woken == [1]
+    assert capsys.readouterr().err == ""
+
+
+def test_ctrl_c_is_raised_at_the_end_if_nothing_asked_for_it():
+    with pytest.raises(KeyboardInterrupt), polled_interrupts():
+        os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_ctrl_c_pressed_twice_is_raised_at_once():
+    reached = []
+
+    def block():
+        with polled_interrupts():
+            os.kill(os.getpid(), signal.SIGINT)
+            reached.append("once")
+            os.kill(os.getpid(), signal.SIGINT)
+            reached.append("twice")
+
+    with pytest.raises(KeyboardInterrupt):
+        block()
+    assert reached == ["once"]
+
+
+def test_the_handler_is_as_before_after_the_block():
+    before = signal.getsignal(signal.SIGINT)
+    with polled_interrupts():
+        assert signal.getsignal(signal.SIGINT) is not before
+    assert signal.getsignal(signal.SIGINT) is before
