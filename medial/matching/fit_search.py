@@ -1,5 +1,6 @@
 """From candidates to settled fits: steps 3 to 5 of `medial.matching.match`, and rivals made on purpose."""
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -43,7 +44,7 @@ def search_from(
     settled = settle(directions, followed)
     if further is None:
         return SearchedFits(tried, followed, moving(search(directions, moving(settled))))
-    sure = max(promises(settled), default=0.0) >= SURE
+    sure = max(promises(settled), default=-math.inf) >= SURE
     if not sure:
         more = further()
         more_followed = follow(directions, more)
@@ -52,6 +53,6 @@ def search_from(
         if directions[0].pair.config.rigid_starts or not settled:
             settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
     fits = moving(search(directions, moving(settled)))
-    if not sure and max(promises(fits)) < SURE:
-        fits = moving(fits + half_turned(directions, fits))
+    if not sure and max(promised := promises(fits)) < SURE:
+        fits = moving(fits + half_turned(directions, fits, promised))
     return SearchedFits(tried, followed, fits)

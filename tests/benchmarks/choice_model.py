@@ -7,6 +7,7 @@ References
 [McF74] McFadden: Conditional logit analysis of qualitative choice behavior. Frontiers in Econometrics, 1974.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -146,9 +147,7 @@ def foretold(table: pd.DataFrame, weights: Weights) -> pd.DataFrame:
     apart = table[columns] - table.groupby(SET)[columns].transform("mean")
     given = np.array([weights.quick_score, -weights.quick_medial])
     rows = []
-    for body in [*table["body"].unique(), "(all)"]:
-        there = (table["body"] == body) | (body == "(all)")
-        rest = ~there if (~there).any() else there
+    for body, there, rest in _bodies(table):
         likelihood, quick = (apart[names].to_numpy(np.float64) for names in (columns[0], columns[1:]))
         fitted = np.linalg.lstsq(quick[rest], likelihood[rest], rcond=None)[0]
         shares = [_explained(likelihood[there], quick[there] @ each) for each in (fitted, given)]
@@ -174,15 +173,22 @@ def none_right(table: pd.DataFrame, weights: Weights) -> pd.DataFrame:
 
     given = np.array([weights.none, weights.none_seen])
     rows = []
-    for body in [*chosen["body"].unique(), "(all)"]:
-        there = ((chosen["body"] == body) | (body == "(all)")).to_numpy()
-        rest = ~there if (~there).any() else there
+    for body, there, rest in _bodies(chosen):
         fitted = minimize(cost, given, args=(rest,), method="Nelder-Mead").x
         named = {"none": fitted[0], "none_seen": fitted[1], "share": right[there].mean()}
         rows.append(
             {"left out": body} | named | {"nll": cost(fitted, there), "nll, shipped": cost(given, there)}
         )
     return pd.DataFrame(rows)
+
+
+def _bodies(table: pd.DataFrame) -> Iterator[tuple[str, Bool, Bool]]:
+    """Each body, its rows and those of the others; then all bodies, judged on the rows they are fitted to."""
+    for body in table["body"].unique():
+        there = (table["body"] == body).to_numpy()
+        yield body, there, there if there.all() else ~there
+    every = np.ones(len(table), dtype=bool)
+    yield "(all)", every, every
 
 
 def _explained(values: Float, foretold_values: Float) -> float:
@@ -196,9 +202,8 @@ def left_out(table: pd.DataFrame, weights: Weights) -> pd.DataFrame:
     """
     given = np.array([getattr(weights, name) for name in SIGNS])
     rows = []
-    for body in [*table["body"].unique(), "(all)"]:
-        there = (table["body"] == body) | (body == "(all)")
-        rest = table[~there] if (~there).any() else table
+    for body, there, others in _bodies(table):
+        rest = table[others]
         starts = starts_of(rest)
         right = right_ones(rest["error"].to_numpy(np.float64), starts)
         fitted = fit(evidence_of(rest), starts, right)

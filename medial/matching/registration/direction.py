@@ -76,16 +76,11 @@ class DirectedFit(Fit):
 
     def medial_gap(self) -> float:
         """How far the samples' medial balls, moved with the fit, are from `BALLS` of the other cloud."""
-        here, there, rows = (
-            self.direction.source,
-            self.direction.target.cloud,
-            self.direction.target.cover[:BALLS],
-        )
-        cloud, samples, hang = here.cloud, here.descriptors.samples, self.direction.attachment
-        centers = moved_centers(
-            cloud.points[samples], cloud.centers[samples], hang.rows(samples), self.direction.graph, self.pose
-        )
-        return medial_gap(centers, cloud.radii[samples], there.centers[rows], there.radii[rows])
+        direction, here, there = self.direction, self.direction.source.cloud, self.direction.target.cloud
+        rows, balls = direction.source.descriptors.samples, direction.target.cover[:BALLS]
+        hang = direction.attachment.rows(rows)
+        centers = moved_centers(here.points[rows], here.centers[rows], hang, direction.graph, self.pose)
+        return medial_gap(centers, here.radii[rows], there.centers[balls], there.radii[balls])
 
 
 class Direction:

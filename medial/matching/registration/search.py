@@ -3,6 +3,7 @@
 Lists of fits are flat; each fit knows its direction (`DirectedFit`).
 """
 
+import math
 from collections.abc import Iterable
 from typing import Protocol, TypeVar
 
@@ -82,17 +83,35 @@ def with_inverses(
     return fits + forward.invert(of(backward, donors)) + backward.invert(of(forward, donors))
 
 
-def half_turned(directions: list[Direction], fits: list[DirectedFit]) -> list[DirectedFit]:
-    """Rivals of the most promising fit of each direction, made on purpose (`Direction.half_turns`)."""
-    ranked = sorted(zip(promises(fits), range(len(fits)), strict=True), reverse=True)
-    best = {fits[k].direction: fits[k] for _, k in reversed(ranked)}
+def half_turned(
+    directions: list[Direction], fits: list[DirectedFit], promised: list[float]
+) -> list[DirectedFit]:
+    """Rivals of the most promising fit of each direction, made on purpose (`Direction.half_turns`).
+
+    Parameters
+    ----------
+    directions, fits
+    promised
+        `promises` of the fits.
+    """
+    rising = sorted(range(len(fits)), key=promised.__getitem__)
+    best = {fits[k].direction: fits[k] for k in rising}  # the last one stays
     return [rival for each in directions if each in best for rival in each.half_turns(best[each])]
 
 
 def promises(fits: list[DirectedFit]) -> list[float]:
-    """What each fit foretells of the log-likelihood of its map (`evidence.promise`)."""
-    placements = run_tasks(place, [(fit,) for fit in fits])
-    return [promise(fit.weights, at.score, at.medial_gap) for fit, at in zip(fits, placements, strict=True)]
+    """What each fit foretells of the log-likelihood of its map (`evidence.promise`).
+
+    One that leaves the body in place (`placement.UNMOVED`) promises nothing: -inf.
+    """
+    return run_tasks(_promise, [(fit,) for fit in fits])
+
+
+def _promise(fit: DirectedFit) -> float:
+    if unmoved(fit) > UNMOVED:
+        return -math.inf
+    at = place(fit)
+    return promise(fit.weights, at.score, at.medial_gap)
 
 
 def moving(fits: list[DirectedFit]) -> list[DirectedFit]:

@@ -75,6 +75,8 @@ def test_what_stays_in_place_counts_only_if_all_does(found, monkeypatch):
     monkeypatch.setattr("medial.matching.registration.search.unmoved", lambda fit: float(fit is found[0]))
     assert moving(found) == found[1:]
     assert moving(found[:1]) == found[:1]
+    assert promises(found[:1]) == [-np.inf]
+    assert np.isfinite(promises(found[1:])).all()
 
 
 def test_a_fit_promises_what_its_placement_does(found):
@@ -87,9 +89,10 @@ def test_a_fit_promises_what_its_placement_does(found):
 def test_rivals_are_made_where_no_fit_promises_enough(monkeypatch, sure, made):
     calls = []
 
-    def watched(directions, fits):
+    def watched(directions, fits, promised):
         calls.append(fits)
-        return half_turned(directions, fits)
+        assert promised == promises(fits)
+        return half_turned(directions, fits, promised)
 
     monkeypatch.setattr("medial.matching.fit_search.SURE", sure)
     monkeypatch.setattr("medial.matching.fit_search.half_turned", watched)
@@ -100,5 +103,5 @@ def test_rivals_are_made_where_no_fit_promises_enough(monkeypatch, sure, made):
 def test_rivals_are_made_of_the_most_promising_fit_of_each_direction(directions, found, monkeypatch):
     turned = []
     monkeypatch.setattr(Direction, "half_turns", lambda self, fit: turned.append(fit) or [])
-    assert half_turned(directions.all, found) == []
+    assert half_turned(directions.all, found, promises(found)) == []
     assert turned == [max(of(each, found), key=lambda fit: promises([fit])[0]) for each in directions.all]
