@@ -123,6 +123,9 @@ def _track(file: GltfFile, node: int, path: str, sampler: dict[str, Any]) -> Tra
     values = values.reshape(shape)
     if path != "weights" and values.shape[-1] != PATHS[path]:
         raise ValueError(f"{len(times)} times, {len(values)} values of {path}")
+    keys = values[:, 1] if parts == 3 else values
+    if path == "rotation" and not (keys != 0).any(axis=1).all():
+        raise ValueError("a rotation of four zeros")
     return Track(node, path, kind, times, values)
 
 

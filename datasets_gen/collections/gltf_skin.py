@@ -105,9 +105,10 @@ def rigged_mesh(file: GltfFile) -> RiggedMesh:
             solid = [each for each in mesh["primitives"] if each.get("mode", TRIANGLES) in (4, 5, 6)]
             left_out += len(mesh["primitives"]) - len(solid)
             parts += [_part(file, number, node, each, movers) for each in solid]
-    if not parts:
+    if parts:
+        kept, faces, told = _welded(parts)
+    if not parts or not len(faces):
         raise InputError(f"{str(file.path)!r} has no mesh of triangles in its scene; export one with it")
-    kept, faces, told = _welded(parts)
     told += [f"{len(parts)} primitives joined"] if len(parts) > 1 else []
     told += [f"{left_out} primitives of points or lines left out"] if left_out else []
     return RiggedMesh(file, faces, tuple(told), tuple(parts), kept, tuple(movers.values()))

@@ -25,6 +25,13 @@ def sound_shape(shape: Shape) -> None:
     assert all(isinstance(t, str) for t in (shape.name, shape.subject, shape.pose, shape.units)), "names"
 
 
+def sound_shapes(found: Collection) -> None:
+    """For frames, each of which has faces of its own."""
+    assert isinstance(found, Collection)
+    for shape in found.shapes:
+        sound_shape(shape)
+
+
 def sound_collection(found: Collection) -> None:
     assert isinstance(found, Collection)
     for shape in (found.reference, *found.shapes):

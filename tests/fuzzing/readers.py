@@ -5,12 +5,15 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen import Collection, InputError, Shape, load_mesh
+from datasets_gen.collections import gltf
 from datasets_gen.collections.folder import load_folder, write_collection
+from datasets_gen.collections.layouts import layout_of
 from datasets_gen.meshes.colours import read_colours
 from evaluation import ResultsStore
 from medial.outward import estimate_normals
 from reports.cli.cloud_files import read_cloud
 from scanner_sim import Scan, ScannerConfig
+from tests.datasets_gen.collections.layout_files import egg, write_off, write_table
 from tests.fuzzing import seeds
 
 
@@ -37,6 +40,33 @@ def read_folder(path: Path) -> Collection:
     found = load_folder(path.parent)
     write_collection(found, path.parent / "again")
     return found
+
+
+def read_character(path: Path) -> Collection:
+    """A character in two frames of each of its animations."""
+    return gltf.load(path, frames=2)
+
+
+def read_layout(path: Path) -> Collection:
+    """The folder of the case, whose layout is found from its files."""
+    return layout_of(path.parent).load(path.parent)
+
+
+def write_tosca(folder: Path) -> None:
+    """Another pose, as a MATLAB file."""
+    (folder / "cat0.mat").write_bytes(seeds.tosca())
+
+
+def write_vert(folder: Path) -> None:
+    """Two poses of text files; the one of the case lacks nothing but its vertices."""
+    (folder / "cat0.vert").write_bytes(seeds.vert())
+    for pose in (0, 1):
+        write_table(folder / f"cat{pose}.tri", seeds.shape().faces + 1)
+
+
+def write_frame(folder: Path) -> None:
+    """Another frame of a capture, with faces of its own."""
+    write_off(folder / "frame_0.off", *egg())
 
 
 def read_options(path: Path) -> dict[str, Any]:

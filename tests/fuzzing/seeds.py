@@ -17,6 +17,8 @@ from datasets_gen import Collection, Shape
 from datasets_gen.meshes.files import write_mesh
 from medial import Diffusion, Matching
 from scanner_sim import Scan, sample
+from tests.datasets_gen.collections.gltf_files import animate, turn, two_bones
+from tests.datasets_gen.collections.layout_files import write_matlab, write_table
 
 TOML = """\
 name = "small"
@@ -220,6 +222,31 @@ def gltf() -> bytes:
         "buffers": [{"byteLength": 42, "uri": uri}],
     }
     return json.dumps(tree).encode()
+
+
+def character(suffix: str) -> bytes:
+    """A tube of two bones, one of which turns and moves; a ``.gltf`` has its buffer in the text."""
+    writer, vertices, _ = two_bones()
+    animate(writer, "bend", times=[1.0, 2.0], values=[turn(0, 0), turn(0, 60)])
+    moved = [[0, 1, 0]] * 9
+    animate(writer, "move", path="translation", times=[0, 1, 2], values=moved, interpolation="CUBICSPLINE")
+    primitive = writer.content["meshes"][0]["primitives"][0]
+    primitive["targets"] = [{"POSITION": writer.add(vertices * [0.1, 0, 0])}]
+    writer.content["meshes"][0]["weights"] = [0.5]
+    if suffix == ".glb":
+        return written(writer.write_glb, suffix)
+    uri = "data:application/octet-stream;base64," + base64.b64encode(bytes(writer.data)).decode()
+    return written(lambda path: writer.write_gltf(path, uri), suffix)
+
+
+def tosca() -> bytes:
+    """The ball as TOSCA's MATLAB files have it."""
+    return written(lambda path: write_matlab(path, shape().vertices, shape().faces), ".mat")
+
+
+def vert() -> bytes:
+    """The vertices of the ball as text."""
+    return written(lambda path: write_table(path, shape().vertices), ".vert")
 
 
 def pcd(storage: str) -> bytes:

@@ -229,6 +229,47 @@ TARGETS = {
             prepare=lambda folder: write_collection(seeds.collection(), folder),
             tokens=(b"../", b"/etc/passwd", b"\\u0000", b"\\ud800", b"[" * 3000),
         ),
+        *(
+            Target(
+                name=f"character-{suffix}",
+                file=f"file.{suffix}",
+                seeds=lambda suffix=suffix: (seeds.character(f".{suffix}"),),
+                read=readers.read_character,
+                check=checks.sound_collection,
+                tokens=(
+                    b'"uri":"/dev/zero"',
+                    b'"count":9999999',
+                    b'"children":[0]',
+                    b'"skin":7',
+                    b'"sparse":{}',
+                    b'"STEP"',
+                    b'"scale"',
+                    b'"extensionsRequired":["KHR_draco_mesh_compression"],',
+                ),
+            )
+            for suffix in ("glb", "gltf")
+        ),
+        *(
+            Target(
+                name=f"layout-{name}",
+                file=file,
+                seeds=lambda start=start: (start(),),
+                read=readers.read_layout,
+                check=check,
+                prepare=prepare,
+            )
+            for name, file, start, prepare, check in (
+                ("mat", "cat1.mat", seeds.tosca, readers.write_tosca, checks.sound_collection),
+                ("vert", "cat1.vert", seeds.vert, readers.write_vert, checks.sound_collection),
+                (
+                    "frames",
+                    "frame_1.obj",
+                    partial(seeds.mesh_file, ".obj"),
+                    readers.write_frame,
+                    checks.sound_shapes,
+                ),
+            )
+        ),
         Target(
             name="experiment",
             file="file.toml",

@@ -290,6 +290,18 @@ def no_mesh(writer):
     writer.content["scenes"] = [{"nodes": [1]}]
 
 
+def no_triangle(writer):
+    writer.content["meshes"][0]["primitives"][0]["indices"] = writer.add([0, 1], "uint16")
+
+
+def flat(writer):
+    writer.content["meshes"][0]["primitives"][0]["indices"] = writer.add([0, 1, 1], "uint16")
+
+
+def no_turn(writer):
+    animate(writer, "bend", times=[1.0, 2.0], values=[[0, 0, 0, 0], turn(0, 60)])
+
+
 def no_list(writer):
     writer.content["nodes"] = 7
 
@@ -314,6 +326,9 @@ def pointer(writer):
         (lost_joint, "joint 1 of 1"),
         (no_type, "accessor 0 is damaged .'type' is missing"),
         (no_mesh, "no mesh of triangles"),
+        (no_triangle, "no mesh of triangles"),
+        (flat, "no mesh of triangles"),
+        (no_turn, "animation 'bend' is damaged .a rotation of four zeros"),
         (no_list, "nodes is no list"),
         (outside, "a face names vertex 999 of 74"),
         (pointer, "animates 'pointer'"),
