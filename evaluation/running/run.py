@@ -165,6 +165,7 @@ class _Run:
             limit=self.experiment.timeout,
             progress=self.progress,
         )
+        self.store.remove_leftovers()
         self.ran = len(waiting) - sum(outcome.kind == "blocked" for outcome in self.failures)
 
     def _connected(self) -> Cluster:

@@ -158,6 +158,24 @@ def test_what_killed_runs_have_left_is_removed(settings, undisturbed, tmp_path, 
     check_finished(folder, undisturbed)
 
 
+class Leaves(Interrupts):
+    """Progress beside which a worker is killed as it writes, or so the folder looks."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def advance(self, outcome):
+        self.path.parent.mkdir(exist_ok=True)
+        self.path.write_text("half")
+
+
+def test_what_workers_killed_in_this_run_have_left_is_removed(settings, undisturbed, tmp_path, monkeypatch):
+    folder = tmp_path / "results"
+    path = folder / "maps/.body-rest-k3j_x0ab.npz"
+    run_here(settings[0], folder, monkeypatch, progress=Leaves(path))
+    check_finished(folder, undisturbed)
+
+
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(("fault", "count"), [("LOST", 1), ("LOST", 2), ("STUCK", 1)])
