@@ -113,7 +113,7 @@ def finalists_of(
                 {
                     "finalist": rank,
                     "score": placements[each.number].score,
-                    "quick_medial": placements[each.number].medial_gap,
+                    "quick_medial": quick.medial_gap,
                     "fine_strain": each.fit.strain,
                     "medial": each.medial_gap,
                     "fine_missed": each.fit.missed,
@@ -121,7 +121,7 @@ def finalists_of(
                     "log_likelihood": each.log_likelihood,
                     "error": error_of(selection.dense(each).match),
                     **{name: getattr(quick, name) for name in ("seen", "missed", "strain", "held")},
-                    "paths": path_change(quick, quick.inverse()),
+                    "paths": path_change(quick, quick.inverse),
                 }
             )
     return rows

@@ -8,6 +8,7 @@ from its own candidates. Settled fits of one direction are inverted and register
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 from datasets_gen.compiled import run_tasks
 from medial.matching.common_units import Int
@@ -60,6 +61,7 @@ class DirectedFit(Fit):
         """Whether the target of the pair is deformed onto its source."""
         return self.direction.backward
 
+    @cached_property
     def inverse(self) -> Int:
         """For each sample of the cloud that stays, the sample of the deformed one that is nearest to it.
 
@@ -74,6 +76,7 @@ class DirectedFit(Fit):
         near = nearest_places(deformed, features(cloud.points[samples], cloud.normals[samples]))
         return here.descriptors.samples[near]
 
+    @cached_property
     def medial_gap(self) -> float:
         """How far the samples' medial balls, moved with the fit, are from `BALLS` of the other cloud."""
         direction, here, there = self.direction, self.direction.source.cloud, self.direction.target.cloud
@@ -178,7 +181,7 @@ class Direction:
         """Invert fits of the opposite direction and register them again in this one."""
 
         def inverted(fit: DirectedFit) -> Fit:
-            return self.registration.settle(self._along(fit.inverse()), QUICK)
+            return self.registration.settle(self._along(fit.inverse), QUICK)
 
         return self._directed(run_tasks(inverted, [(fit,) for fit in fits]))
 

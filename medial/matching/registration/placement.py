@@ -31,13 +31,10 @@ class Placement:
         On the pair's target.
     score : float
         Of the fit, less the cost of what it leaves in place and of what it changes along the body.
-    medial_gap : float
-        Of the samples' medial balls, moved with the fit (`DirectedFit.medial_gap`).
     """
 
     places: NDArray[np.float64]
     score: float
-    medial_gap: float = 0.0
 
     def gap(self, other: "Placement") -> float:
         """Mean distance between two placements, in sqrt(area)."""
@@ -50,12 +47,12 @@ class Placement:
 
 def place(fit: DirectedFit) -> Placement:
     """Where a fit puts the samples of the pair's source; with its inverse if the target is deformed."""
-    inverse = fit.inverse()
+    inverse = fit.inverse
     places = fit.direction.source.cloud.points[inverse] if fit.backward else fit.moved
     weights = fit.weights
     cost = weights.paths if fit.direction.pair.to_move is None else weights.mirrored_paths
     score = fit.score - UNMOVED_COST * unmoved(fit) - cost * path_change(fit, inverse)
-    return Placement(places, score, fit.medial_gap())
+    return Placement(places, score)
 
 
 def path_change(fit: DirectedFit, inverse: Int) -> float:

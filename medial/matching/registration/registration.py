@@ -44,6 +44,8 @@ SEEN_WITHIN = 0.03
 """Distance, in sqrt(area), at which a point counts half as found."""
 SMALLEST_SCALE = 0.01
 """Residuals below this, in sqrt(area), are no outliers when a node's motion is estimated."""
+LEAF = 64
+"""Points in a leaf of the tree of points and normals, in which six coordinates exclude few branches."""
 FEW = 1000
 """Up to this number, places are compared one by one; of more, a tree finds the nearest."""
 FOLLOW_STIFFNESS = 0.2
@@ -110,7 +112,8 @@ class Registration:
         self.points, self.normals = points, normals
         self.target_points, self.target_normals = target_points, target_normals
         self._back_points, self._back_normals = target_points[look_back], target_normals[look_back]
-        self._among, self._tree = among, cKDTree(features(target_points[among], target_normals[among]))
+        self._among = among
+        self._tree = cKDTree(features(target_points[among], target_normals[among]), leafsize=LEAF)
         self._back_features = features(self._back_points, self._back_normals)
 
     @classmethod

@@ -110,8 +110,7 @@ def promises(fits: list[DirectedFit]) -> list[float]:
 def _promise(fit: DirectedFit) -> float:
     if unmoved(fit) > UNMOVED:
         return -math.inf
-    at = place(fit)
-    return promise(fit.weights, at.score, at.medial_gap)
+    return promise(fit.weights, place(fit).score, fit.medial_gap)
 
 
 def moving(fits: list[DirectedFit]) -> list[DirectedFit]:

@@ -71,7 +71,10 @@ class FineSelection:
     def __init__(self, fits: list[DirectedFit], placements: list[Placement], config: MatchConfig) -> None:
         self._fits, self._placements, self._config = fits, placements, config
         self._weights = fits[0].weights
-        self._promise = [promise(self._weights, each.score, each.medial_gap) for each in placements]
+        gaps = run_tasks(_medial_gap, [(each,) for each in fits])
+        self._promise = [
+            promise(self._weights, p.score, gap) for p, gap in zip(placements, gaps, strict=True)
+        ]
         self._order = sorted(range(len(placements)), key=lambda k: -self._promise[k])
         self._nodes = config.fine_nodes if config.refine == "deform" else config.nodes
         self._fine: dict[Direction, FineDeformation] = {}
@@ -167,6 +170,10 @@ def groups(rivals: list[Rival], none: float, placements: list[Placement]) -> lis
             heads.append(each)
     share = probabilities(np.array([head.log_likelihood for head in heads]), none)
     return list(zip(heads, share.tolist(), strict=True))
+
+
+def _medial_gap(fit: DirectedFit) -> float:
+    return fit.medial_gap
 
 
 def _ranked(finalists: Iterable[Finalist]) -> list[Finalist]:

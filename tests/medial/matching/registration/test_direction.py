@@ -52,7 +52,7 @@ def test_an_inverted_fit_is_the_same_map(directions, settled):
 def test_the_inverse_sends_target_samples_to_source_samples(directions, settled):
     fit = directions.best(settled)[0]
     source, target = directions.pair.source, directions.pair.target
-    inverse = fit.inverse()
+    inverse = fit.inverse
     assert len(inverse) == len(target.descriptors.samples)
     assert np.isin(inverse, source.descriptors.samples).all()
     gap = source.cloud.points[inverse] - source.cloud.points[target.descriptors.samples]

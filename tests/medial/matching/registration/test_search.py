@@ -82,7 +82,7 @@ def test_what_stays_in_place_counts_only_if_all_does(found, monkeypatch):
 def test_a_fit_promises_what_its_placement_does(found):
     for fit, value in zip(found, promises(found), strict=True):
         at = place(fit)
-        assert value == promise(fit.weights, at.score, at.medial_gap)
+        assert value == promise(fit.weights, at.score, fit.medial_gap)
 
 
 @pytest.mark.parametrize(("sure", "made"), [(-1e9, 0), (1e9, 1)])

@@ -68,9 +68,11 @@ def test_fits_that_are_far_from_the_best_score_are_not_settled(fits):
 
 def test_of_equal_scores_those_whose_medial_balls_meet_are_settled(fits):
     at = place(fits[0])
-    apart = [shifted(at, 3 * ALIKE * k, 1.5) for k in range(4)]
-    placements = [replace(each, medial_gap=0.05 * k) for k, each in enumerate(apart)]
-    found = selected([fits[0]] * 4, placements[::-1], replace(SMALL, finalists=2))
+    placements = [shifted(at, 3 * ALIKE * k, 1.5) for k in range(4)]
+    apart = [replace(fits[0]) for _ in range(4)]
+    for k, each in enumerate(apart):
+        vars(each)["medial_gap"] = 0.05 * (3 - k)  # as if measured
+    found = selected(apart, placements, replace(SMALL, finalists=2))
     assert sorted(each.number for each in found) == [2, 3]
 
 
