@@ -227,12 +227,14 @@ def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
     """Raise ValueError unless the arrays and names of a file make poses."""
     mirror = {"mirror": "int v"} if "mirror" in arrays else {}
     layout = {"vertices": "float p v 3", "faces": "int f 3", **mirror}
-    vertices = check_layout(arrays, layout, finite="vertices")["v"]
+    sizes = check_layout(arrays, layout, finite="vertices")
+    vertices, shared = sizes["v"], len(meta["stored"])
     for name in ("faces", *mirror):
         check_ids(arrays[name], vertices, name)
     for number in range(len(meta["stored"])):
         names = [f"{each}_{number}" for each in _OWN]
         if any(name in arrays for name in names):
+            shared -= 1
             kinds = ("float w 3", "int g 3", "int w", "float w 3")
             some = len(names) if any(name in arrays for name in names[2:]) else 2
             layout = dict(zip(names[:some], kinds, strict=False))
@@ -240,6 +242,8 @@ def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
             check_ids(arrays[names[1]], own, names[1])
             if some > 2:
                 check_ids(arrays[names[2]], len(arrays["faces"]), names[2])
+    if shared != sizes["p"]:
+        raise ValueError(f"vertices of {sizes['p']} poses for {shared}")
     check_values(Shape, {"subject": meta["subject"], "units": meta["units"]})
     if not all(isinstance(remark, str) for remark in meta.get("remarks", ())):
         raise ValueError("remarks are no texts")

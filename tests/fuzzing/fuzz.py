@@ -6,6 +6,7 @@ that it read. ``--coverage`` lets atheris choose the files by what code they rea
 
 import argparse
 import hashlib
+import math
 import re
 import subprocess
 import sys
@@ -16,8 +17,10 @@ from pathlib import Path
 from random import Random
 
 ROOT = Path(__file__).resolve().parents[2]
-BATCH = 2000
+BATCH = 5000
 """Cases per process: one that takes memory or dies costs no more than these."""
+SLOW_SHARE = 0.1
+"""Cases of a slow target, relative to the others."""
 PATIENCE = 4000.0
 """Seconds that a process may take."""
 MEASURED = (
@@ -66,17 +69,22 @@ def keep(found: Path, name: str, problem: str, data: bytes) -> None:
 
 def run_all(names: Sequence[str], count: int, processes: int, seed: int, found: Path) -> int:
     """Spread cases over targets and processes; returns how many were judged."""
+    from tests.fuzzing.targets import TARGETS
+
+    shares = {name: SLOW_SHARE if TARGETS[name].slow else 1.0 for name in names}
+    cases = {name: math.ceil(count * share / sum(shares.values())) for name, share in shares.items()}
     batches = [
-        (name, seed + number, min(BATCH, count // len(names) - start))
-        for number, start in enumerate(range(0, max(1, count // len(names)), BATCH))
+        (name, seed + start // BATCH, min(BATCH, cases[name] - start))
+        for start in range(0, max(cases.values()), BATCH)
         for name in names
+        if start < cases[name]
     ]
     total, running, started = 0, [], time.monotonic()
     while batches or running:
         while batches and len(running) < processes:
             name, number, size = batches.pop(0)
             scratch = tempfile.TemporaryDirectory(prefix="fuzz-")
-            command = [sys.executable, "-m", __spec__.name, "--batch", name, str(number), str(max(1, size))]
+            command = [sys.executable, "-m", __spec__.name, "--batch", name, str(number), str(size)]
             command += [scratch.name, str(found)]
             process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
             running.append((process, name, size, scratch, time.monotonic()))
@@ -85,8 +93,6 @@ def run_all(names: Sequence[str], count: int, processes: int, seed: int, found: 
             process.kill()
             error = process.communicate()[1]
             if process.returncode != 0:
-                from tests.fuzzing.targets import TARGETS
-
                 last = Path(scratch.name) / TARGETS[name].file
                 line = error.strip().splitlines()[-1:] or [""]
                 problem = f"process ended with {process.returncode}: {line[0][:300]}"
