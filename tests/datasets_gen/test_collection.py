@@ -57,6 +57,16 @@ def test_a_file_of_another_version_is_refused_with_one_line(ball, tmp_path):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_file_whose_poses_are_too_few_or_too_many_is_refused(ball, count, tmp_path):
+    ball.save(tmp_path / "body.npz")
+    arrays, meta = load_record(tmp_path / "body.npz", "Collection")
+    arrays["vertices"] = arrays["vertices"][[0, 1, 1][:count]]
+    save_record(tmp_path / "other.npz", "Collection", arrays, meta)
+    with pytest.raises(InputError, match=f"vertices of {count} poses for 2"):
+        Collection.load(tmp_path / "other.npz")
+
+
 def test_poses_share_their_faces(ball):
     other = replace(ball["pose2"], faces=ball["pose2"].faces[::-1])
     with pytest.raises(InputError, match="must share connectivity"):
