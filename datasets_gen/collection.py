@@ -231,6 +231,8 @@ def _check(arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
     vertices, shared = sizes["v"], len(meta["stored"])
     for name in ("faces", *mirror):
         check_ids(arrays[name], vertices, name)
+    if not all(len(array) for name, array in arrays.items() if name.startswith("faces")):
+        raise ValueError("a pose has no faces")
     for number in range(len(meta["stored"])):
         names = [f"{each}_{number}" for each in _OWN]
         if any(name in arrays for name in names):

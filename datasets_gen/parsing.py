@@ -6,7 +6,7 @@ from pathlib import Path
 from types import UnionType
 from typing import Any
 
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, file_content
 
 
 def parsed_toml(content: str | bytes, where: str) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def read_note(path: Path, **types: type | UnionType) -> dict[str, Any] | None:
         None if the file is missing or damaged, or lacks an entry or has one of another type.
     """
     try:
-        note = parsed_json(path.read_bytes(), repr(str(path)))
+        note = parsed_json(file_content(path), repr(str(path)))
     except (OSError, InputError):
         return None
     whole = isinstance(note, dict) and all(isinstance(note.get(name), kind) for name, kind in types.items())

@@ -7,6 +7,7 @@ import errno
 import json
 import os
 import re
+import stat
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -57,8 +58,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         If it is no path or a folder, its folder cannot be created or written, or the device is full.
     """
     target = as_path(path)
-    if os.path.isdir(target):  # unlike the method of Path, no where the system does not tell
-        raise InputError(f"cannot write {str(target)!r}: it is a folder; choose a file name")
+    if what := no_file(target):
+        raise InputError(f"cannot write {str(target)!r}: it {what}; choose another name, or remove it")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
@@ -100,6 +101,33 @@ def leftovers(folder: str | os.PathLike[str]) -> list[Path]:
         return sorted(each for each in Path(folder).iterdir() if _TEMPORARY.fullmatch(each.name))
     except OSError:
         return []
+
+
+def no_file(path: str | os.PathLike[str]) -> str:
+    """What a path is if it is no file: ``"is a folder"``, or a pipe or a device; empty for a file or nothing.
+
+    A pipe keeps its reader waiting, and a device such as ``/dev/zero`` has no end.
+    """
+    try:
+        mode = os.stat(path).st_mode
+    except (OSError, ValueError):  # there is nothing, or the system does not tell
+        return ""
+    return "" if stat.S_ISREG(mode) else "is a folder" if stat.S_ISDIR(mode) else "is a pipe or a device"
+
+
+def file_content(path: Path) -> bytes:
+    """The bytes of a file.
+
+    Raises
+    ------
+    InputError
+        If it is a pipe or a device.
+    OSError
+        If it is a folder, or cannot be read.
+    """
+    if (what := no_file(path)) and not path.is_dir():
+        raise InputError(f"{str(path)!r} {what}; give a file")
+    return path.read_bytes()
 
 
 def as_path(path: Any) -> Path:
@@ -155,6 +183,8 @@ def load_record(path: str | os.PathLike[str], kind: str) -> tuple[dict[str, Any]
     InputError
         If the file is missing, cut short, or holds another kind of record.
     """
+    if what := no_file(as_path(path)):
+        raise InputError(f"{str(path)!r} {what}; give a {kind} file")
     try:
         with ZipFile(as_path(path)) as file:
             found = str(_array(file, "kind")) if "kind.npy" in file.namelist() else "no medialbench record"

@@ -15,6 +15,8 @@ from datasets_gen.values import real_array
 log = logging.getLogger(__name__)
 
 FEWEST_POINTS = 8
+LARGEST_EXTENT = 1e9
+"""Largest side of the box about a cloud; the smallest is one over it."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,8 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        If the array is not (n, 3), has fewer than 8 rows or holds values that are not finite.
+        If the array is not (n, 3), has fewer than 8 rows, holds values that are not finite, or has an extent
+        that cannot be computed with.
     """
     checked: NDArray[np.float64] = np.ascontiguousarray(real_array(points, "the cloud"))
     if checked.ndim != 2 or checked.shape[1] != 3:
@@ -59,7 +62,20 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
         raise InputError(
             f"{bad.sum()} points are not finite, the first is number {bad.argmax()}; remove them"
         )
+    _check_extent(checked)
     return checked
+
+
+def _check_extent(points: NDArray[np.float64]) -> None:
+    """Raise InputError unless squares and cubes of the cloud's size are numbers in single precision too."""
+    extent = float(np.ptp(points, axis=0).max())
+    if extent == 0:
+        raise InputError(f"all {len(points)} points lie at one place; give a scan of a surface")
+    if not 1 / LARGEST_EXTENT <= extent <= LARGEST_EXTENT:
+        raise InputError(
+            f"the points are {extent:.3g} across; choose units in which it is between "
+            f"{1 / LARGEST_EXTENT:.0e} and {LARGEST_EXTENT:.0e}"
+        )
 
 
 def check_directions(normals: NDArray[np.floating], name: str = "the cloud") -> None:

@@ -19,7 +19,7 @@ from datasets_gen.clouds.stl_surfaces import read_stl
 from datasets_gen.clouds.text_columns import as_cloud_of_columns, columns_given
 from datasets_gen.clouds.text_tables import read_table
 from datasets_gen.meshes.bad_lines import bad_line
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, no_file
 
 TEXT_SUFFIXES = (".xyz", ".txt", ".pts", ".csv", ".asc")
 SURFACE_SUFFIXES = (".ply", ".obj", ".off", ".stl", ".glb", ".gltf")
@@ -108,9 +108,7 @@ def checked_file(
             f"{str(path)!r} is no {kind} file this project reads; it reads {', '.join(suffixes)}"
         )
     if not file.is_file():
-        raise InputError(
-            f"{str(path)!r} {'is a folder' if file.is_dir() else 'does not exist'}; give a {kind} file"
-        )
+        raise InputError(f"{str(path)!r} {no_file(file) or 'does not exist'}; give a {kind} file")
     return file
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from datasets_gen.correspondences.point_map import FORMATS, ON_TRIANGLES, PointMap
 from datasets_gen.matlab_files import read_matlab
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, no_file
 
 NAMES = ("source_to_target", "p2p", "matches", "match", "map", "corr", "correspondence", "vts", "T")
 """Variables of ``.mat`` files and columns of ``.csv`` files that hold a map: the first there is."""
@@ -36,7 +36,7 @@ def read_map(path: Path, first_id: int | None = None, *, otherwise: int | None =
     if suffix not in FORMATS:
         raise InputError(f"{str(path)!r} is no correspondence file; it may end in {', '.join(FORMATS)}")
     if not path.is_file():
-        raise InputError(f"{str(path)!r} {'is a folder' if path.is_dir() else 'does not exist'}; give a map")
+        raise InputError(f"{str(path)!r} {no_file(path) or 'does not exist'}; give a map")
     if first_id not in (None, 0, 1):
         raise InputError(f"indices count from 0 or 1, not from {first_id!r}")
     try:

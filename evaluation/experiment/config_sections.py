@@ -11,6 +11,8 @@ from medial.validation import FEWEST_POINTS
 
 SURFACE = "surface"
 """Instead of viewpoints: the mesh of a pose is sampled as it is, without the scanner."""
+LARGEST_SCALE = 1e6
+"""Largest factor by which a cloud may be scaled; the smallest is one over it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,11 +63,18 @@ class ScanCondition:
         check_types(type(self), vars(self))
         expect(0 < self.threshold <= 1, f"threshold must lie in (0, 1], got {self.threshold!r}")
         check_count(self.points, "points", FEWEST_POINTS)
-        expect(self.scale > 0, f"scale must be positive, got {self.scale!r}")
+        expect(
+            1 / LARGEST_SCALE <= self.scale <= LARGEST_SCALE,
+            f"scale is {self.scale!r}; give one of {1 / LARGEST_SCALE:.0e} to {LARGEST_SCALE:.0e}",
+        )
         reserved = {"views", "peak_threshold"} & set(self.scanner)
         expect(
             not reserved,
             f"give {', '.join(sorted(reserved))} as 'views' and 'threshold', not under 'scanner'",
+        )
+        expect(
+            self.views != SURFACE or not self.scanner,
+            f"views = {SURFACE!r} samples the mesh without a scanner; leave out {', '.join(self.scanner)}",
         )
 
     def with_values(self, values: Mapping[str, Any]) -> "ScanCondition":

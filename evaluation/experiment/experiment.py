@@ -37,6 +37,9 @@ from evaluation.experiment.toml_tables import (
 )
 from medial.departures import Departures
 
+LONGEST = 1e7
+"""Largest time-out of a task, seconds: four months."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment:
@@ -62,7 +65,7 @@ class Experiment:
         """Check what concerns several sections."""
         expect(len(self.dataset) > 0, "no [[dataset]]: nothing to scan")
         Departures.of(self.departures)
-        expect(self.timeout > 0, f"timeout must be positive, got {self.timeout!r}")
+        expect(0 < self.timeout <= LONGEST, f"timeout is {self.timeout!r}; give up to {LONGEST:.0e} seconds")
         check_count(self.evaluated, "evaluated")
         for seed in self.seeds:
             check_seed(seed, "each of seeds")

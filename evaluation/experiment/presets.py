@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen.parsing import parsed_toml
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, file_content
 from evaluation.experiment.toml_tables import reject_unknown
 
 
@@ -60,7 +60,7 @@ def preset_or_file(
         where = f"preset {str(source)!r}"
         return {"name": path.stem, **parsed_toml(known[str(source)].encode(), where)}, where
     try:
-        text, where = path.read_bytes(), repr(str(source))
+        text, where = file_content(path), repr(str(source))
     except OSError as error:
         raise InputError(
             f"cannot read {str(source)!r}: {error.strerror}; presets: {', '.join(known)}"

@@ -18,7 +18,7 @@ from scanner_sim.scan import Scan
 class MethodInput:
     """What a method may know of one side of a pair.
 
-    In a sweep, every array is read-only, since the methods after it get the same: copy what you change.
+    In a sweep, every array is a read-only copy: copy what you change.
 
     Attributes
     ----------
@@ -125,22 +125,35 @@ def dense(
     Raises
     ------
     InputError
-        If the two arrays differ in length, or ids are no integers.
+        If the two arrays differ in length, ids are no integers, confidences no numbers, or one has a mask.
     """
-    image, pairs = np.asarray(source_to_target), np.zeros((0, 2), np.int64)
-    pairs = pairs if landmarks is None else np.asarray(landmarks)
-    for name, ids in (("target ids", image), ("landmarks", pairs)):
-        if ids.size and ids.dtype.kind not in "iu":
-            raise InputError(f"{name} are of type {ids.dtype}, not integer; round them yourself")
-    if len(source_to_target) != len(confidence):
+    image = _array(source_to_target, "target ids", "iu")
+    pairs = np.zeros((0, 2), np.int64) if landmarks is None else _array(landmarks, "landmarks", "iu")
+    shares = _array(confidence, "confidences", "fiub")
+    if image.shape[:1] != shares.shape[:1] or image.ndim != 1:
         raise InputError(
-            f"{len(source_to_target)} matches with {len(confidence)} confidences; give one for each"
+            f"target ids of shape {image.shape} with confidences of shape {shares.shape}; give one of each "
+            "for every source point"
         )
     return Matching(
         source_to_target=image.astype(np.int64),
         landmarks=pairs.astype(np.int64),
         cost=float(cost),
-        confidence=np.clip(np.asarray(confidence, np.float64), 0, 1),
+        confidence=np.clip(shares.astype(np.float64), 0, 1),
         restarts={},
         seed=seed,
     )
+
+
+def _array(values: Any, name: str, kinds: str) -> NDArray[Any]:
+    """An array of numbers of some kinds (`numpy.dtype.kind`), without a mask."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} are a {type(values).__name__}, no array; give one") from None
+    if isinstance(values, np.ma.MaskedArray):
+        raise InputError(f"{name} are a masked array; fill it, ids with -1 for no match")
+    if array.size and array.dtype.kind not in kinds:
+        wanted = "integer; round them yourself" if kinds == "iu" else "numbers; give shares in [0, 1]"
+        raise InputError(f"{name} are of type {array.dtype}, not {wanted}")
+    return array

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.points.farthest import farthest_points
 from datasets_gen.records import InputError
+from datasets_gen.values import check_count
 from evaluation.methods.base import MethodInput
 from evaluation.methods.spectral import Spectral
 from medial import Matching, extrapolate
@@ -22,6 +23,11 @@ class TruthLandmarks(Spectral):
     landmarks: int = 5
 
     uses_truth = True
+
+    def __post_init__(self) -> None:
+        """Check the number of landmarks, and all else as the parent."""
+        super().__post_init__()
+        check_count(self.landmarks, "landmarks")
 
     def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Extrapolate from true landmarks, far apart on the rest pose, that both clouds hold."""

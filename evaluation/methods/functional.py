@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
+from datasets_gen.values import check_count
+from evaluation.experiment.toml_tables import expect
 from evaluation.methods.base import Method, MethodInput, dense, require
 from evaluation.methods.gradients import gradients, tangent_frames
 from medial import Diffusion, Matching
@@ -31,6 +33,14 @@ class FunctionalMaps(Method):
     """Wave kernel signatures; every fifth enters the solver."""
     orientation: float = 1.0
     """Weight of the orientation term relative to the others; 0 cannot tell left from right."""
+
+    def __post_init__(self) -> None:
+        """Check ranges."""
+        check_count(self.modes, "modes", 2)
+        check_count(self.step, "step")
+        check_count(self.signatures, "signatures")
+        expect(self.final >= self.modes, f"final is {self.final!r}; give at least modes, {self.modes}")
+        expect(self.orientation >= 0, f"orientation must not be negative, got {self.orientation!r}")
 
     requires = {"pyFM": "pyfmaps"}  # noqa: RUF012
 

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.points.farthest import farthest_in_metric
 from datasets_gen.points.neighbours import join_parts, neighbour_pairs
+from datasets_gen.values import check_count
 from evaluation.experiment.toml_tables import expect
 from evaluation.methods.base import Method, MethodInput, dense, require
 from medial import Matching
@@ -37,6 +38,8 @@ class GeodesicGraph(Method):
 
     def __post_init__(self) -> None:
         """Check ranges."""
+        check_count(self.neighbours, "neighbours")
+        check_count(self.kept, "kept")
         expect(self.landmarks >= 3, f"landmarks must be at least 3, got {self.landmarks!r}")
         expect(self.candidates >= self.landmarks, f"candidates must be at least {self.landmarks}")
 

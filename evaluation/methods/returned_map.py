@@ -13,6 +13,8 @@ from datasets_gen.records import InputError
 from medial.matching.config import MatchConfig
 from medial.matching.result import Alternative, Matching
 
+LONGEST_NAME = 60
+"""Characters in the name of a column of `Matching.restarts`."""
 MIRROR_CHECKS = ("agrees", "overruled", "undecided", "unchecked")
 """Words of `Matching.mirror_check`."""
 
@@ -46,7 +48,7 @@ def checked_map(found: object, n_source: int, n_target: int) -> Matching:
         confidence=_shares(found.confidence, "confidence", n_source),
         landmarks=_landmarks(found.landmarks, n_source, n_target),
         cost=_number(found.cost, "cost"),
-        probability=_number(found.probability, "probability"),
+        probability=_probability(found.probability),
         seed=_whole(found.seed, "seed"),
         restarts=_restarts(found.restarts),
         source_points=_cloud(found.source_points, "source_points", n_source),
@@ -107,11 +109,27 @@ def _alternatives(given: Any, n_source: int, n_target: int) -> tuple[Alternative
 def _restarts(table: Any) -> dict[str, NDArray[Any]]:
     if not isinstance(table, dict):
         raise InputError(f"restarts are {_kind(table)}, not a dictionary of arrays; give {{}}")
-    found = {str(name): np.array(column) for name, column in table.items()}
-    for name, column in found.items():
-        if column.dtype.kind not in "biuf":
-            raise InputError(f"restarts[{name!r}] is of type {column.dtype}, not numbers; leave it out")
-    return found
+    return {_restart_name(name): _restart_column(column, name) for name, column in table.items()}
+
+
+def _restart_name(name: Any) -> str:
+    """The name, which is part of the name of an array in a file."""
+    if not (isinstance(name, str) and name.isidentifier() and len(name) <= LONGEST_NAME):
+        raise InputError(
+            f"restarts has a column {repr(name)[:80]}; give it a name of letters, digits and _, "
+            f"at most {LONGEST_NAME}"
+        )
+    return name
+
+
+def _restart_column(column: Any, name: str) -> NDArray[Any]:
+    try:
+        array = np.array(column)
+    except (TypeError, ValueError):
+        raise InputError(f"restarts[{name!r}] is no array of numbers; leave it out") from None
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"restarts[{name!r}] is of type {array.dtype}, not numbers; leave it out")
+    return array
 
 
 def _cloud(points: Any, name: str, count: int) -> NDArray[np.float64] | None:
@@ -155,10 +173,17 @@ def _number(value: Any, name: str) -> float:
     """A finite number or nan."""
     try:
         number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} is {_kind(value)}, not a number") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} is {_kind(value)}, not a number that can be stored") from None
     if math.isinf(number):
         raise InputError(f"{name} is {number}; give a finite number, or nan if there is none")
+    return number
+
+
+def _probability(value: Any) -> float:
+    number = _number(value, "probability")
+    if not (math.isnan(number) or 0 <= number <= 1):
+        raise InputError(f"probability is {number:g}, not in [0, 1]; leave it out if there is none")
     return number
 
 

@@ -7,9 +7,13 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from datasets_gen.points.farthest import farthest_points
+from datasets_gen.values import check_count
 from evaluation.methods.base import Method, MethodInput, dense, require
 from medial import Matching
 from medial.matching.confidence import confidence_of_residual
+
+FEWEST = 4
+"""Points of which three axes can be found."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,9 +25,14 @@ class RigidNearest(Method):
     samples: int = 1500
     """Points of either cloud that the alignment uses."""
 
+    def __post_init__(self) -> None:
+        """Check ranges."""
+        check_count(self.iterations, "iterations", 0)
+        check_count(self.samples, "samples", FEWEST)
+
     def match(self, source: MethodInput, target: MethodInput, seed: int) -> Matching:
         """Nearest target point of every aligned source point."""
-        require(min(len(source), len(target)), 4, "rigid alignment")
+        require(min(len(source), len(target)), FEWEST, "rigid alignment")
         placed = align(source.points, target.points, self.iterations, self.samples, seed)
         distance, nearest = cKDTree(target.points).query(placed)
         return dense(nearest, confidence_of_residual(distance), cost=float(distance.mean()), seed=seed)

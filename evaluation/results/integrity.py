@@ -11,6 +11,7 @@ from typing import Any
 from zipfile import ZipFile
 
 from datasets_gen.parsing import parsed_json
+from datasets_gen.records import file_content, no_file
 
 SEAL = "checksum"
 """Entry of a note that holds the checksum of all others."""
@@ -20,7 +21,9 @@ NAMED = 5
 
 
 def checksum(path: Path) -> int:
-    """CRC-32 of a file's bytes."""
+    """CRC-32 of a file's bytes; OSError if it cannot be read, or is a pipe or a device."""
+    if what := no_file(path):
+        raise OSError(f"it {what}")
     found = 0
     with path.open("rb") as stream:
         while chunk := stream.read(CHUNK):
@@ -50,7 +53,7 @@ def unsealed(path: Path, keys: Iterable[str] | None = None) -> dict[str, Any]:
     ValueError
         If it is not as it was written.
     """
-    note = parsed_json(path.read_bytes(), repr(str(path)))
+    note = parsed_json(file_content(path), repr(str(path)))
     if not isinstance(note, dict):
         raise ValueError("it holds no table")
     if SEAL in note:

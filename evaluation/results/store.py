@@ -26,7 +26,7 @@ from datasets_gen import Collection, InputError
 from datasets_gen.collections.folder import code_version
 from datasets_gen.fingerprints import library_versions
 from datasets_gen.parsing import parsed_toml
-from datasets_gen.records import atomic_path, leftovers
+from datasets_gen.records import atomic_path, file_content, leftovers
 from evaluation.experiment.tasks import STAGES, Task
 from evaluation.results.integrity import checksum, sealed, unsealed
 from evaluation.results.outcome import Outcome
@@ -45,7 +45,10 @@ READABLE = (1, 2)
 FORMAT_1_WORDS = {"kept": "agrees", "flipped": "overruled"}
 MERGED = ("table.parquet", "table.csv", "failures.csv", "experiment.toml")
 """Files of a finished run, whose checksums are in ``run.json``."""
-IDENTIFYING = ("kind", "dataset", "method", "operator", "regime", "views", "seed", "source_threshold")
+IDENTIFYING = (
+    *("kind", "dataset", "method", "operator", "regime", "views", "seed", "source_threshold"),
+    *("source_pose", "target_pose"),
+)
 """Columns without which the rows of a table mean nothing; versions differ in the others."""
 TIMING = ("seconds_operator", "seconds_match", "peak_memory_mb")
 """Columns of the table that differ from run to run."""
@@ -184,7 +187,7 @@ class ResultsStore(ResultFiles):
         """The experiment as run, parsed from ``experiment.toml``."""
         path = self.folder / "experiment.toml"
         try:
-            return parsed_toml(path.read_bytes(), repr(str(path)))
+            return parsed_toml(file_content(path), repr(str(path)))
         except OSError as error:
             raise InputError(f"{str(self.folder)!r} has no readable experiment.toml ({error})") from error
 

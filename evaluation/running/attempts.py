@@ -1,14 +1,16 @@
 """Notes of started tasks, so that one that takes its process down is noticed and not tried for ever.
 
 Before a task starts, an attempt is noted. A watchdog that needs no interpreter lock ends the process at the
-time limit and leaves a dump; so does a fault. Whoever gets the task next finds both. One that was running
-when its process ended may have had bad luck, such as a neighbour that took all memory: it is tried once more,
-with no other task beside it.
+time limit and leaves a dump; so does a fault. A process has one such watchdog, which a task may take for
+itself; then a second one, a plain thread, ends the process a little later. Whoever gets the task next finds
+both. One that was running when its process ended may have had bad luck, such as a neighbour that took all
+memory: it is tried once more, with no other task beside it.
 """
 
 import contextlib
 import faulthandler
 import os
+import threading
 from pathlib import Path
 
 from datasets_gen.parsing import read_note
@@ -18,6 +20,8 @@ from evaluation.results.store import write_json
 
 ATTEMPTS = 2
 """Times that a task may take its process down before it counts as failed; a time-out counts at once."""
+LATER = 5.0
+"""Seconds past the time limit after which the second watchdog ends the process."""
 AGAIN = "again"
 """Kind of outcome of a task that has to be tried once more, alone."""
 
@@ -85,8 +89,19 @@ class Attempt:
             raise cannot_write(self._dump, error) from error
         faulthandler.enable(self._stream)
         faulthandler.dump_traceback_later(self._limit, exit=True, file=self._stream)
+        self._second = threading.Timer(min(self._limit + LATER, threading.TIMEOUT_MAX), self._end)
+        self._second.daemon = True
+        self._second.start()
+
+    def _end(self) -> None:
+        with contextlib.suppress(OSError, ValueError):  # whatever the task has done to the dump
+            self._dump.write_text("Timeout, and the task has stopped the watchdog\n", encoding="utf-8")
+            with self._dump.open("a", encoding="utf-8") as stream:
+                faulthandler.dump_traceback(stream)
+        os._exit(1)
 
     def __exit__(self, *_: object) -> None:
+        self._second.cancel()
         faulthandler.cancel_dump_traceback_later()
         faulthandler.disable()
         self._stream.close()

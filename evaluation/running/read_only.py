@@ -1,7 +1,7 @@
 """Values that several tasks of a worker share: nobody can write into them."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
@@ -27,27 +27,49 @@ def read_only(value: T) -> T:
     value
         A record such as a `scanner_sim.Scan`, or anything made of such.
     """
-    found: T = _locked(value)
+    found: T = _through(value, _locked)
     return found
 
 
-def _locked(value: Any) -> Any:
+def private(value: T) -> T:
+    """A copy of the value that shares no memory with it, its arrays read-only, however deep.
+
+    A view can be written into by way of the array that it is a view of, and by code in other languages, which
+    knows no locks. Whoever does so with this copy spoils nothing of others.
+
+    Parameters
+    ----------
+    value
+        As for `read_only`. What its records have computed for themselves stays behind.
+    """
+    found: T = _through(value, _copied, fields_alone=True)
+    return found
+
+
+def _through(value: Any, change: Callable[[NDArray[Any]], NDArray[Any]], fields_alone: bool = False) -> Any:
+    """The value with each array in it changed."""
     if isinstance(value, np.ndarray):
-        return _array(value)
+        return change(value)
     if isinstance(value, Mapping):
-        return {key: _locked(each) for key, each in value.items()}
+        return {key: _through(each, change, fields_alone) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        parts = [_locked(each) for each in value]
+        parts = [_through(each, change, fields_alone) for each in value]
         return type(value)(*parts) if hasattr(value, "_fields") else type(value)(parts)
     if is_dataclass(value) and not isinstance(value, type):
-        return _record(value)
+        return _record(value, change, fields_alone)
     if issparse(value) or type(value).__module__.partition(".")[0] in PACKAGES:
+        found = copy.copy(value) if fields_alone else value
         for name, each in vars(value).items():
-            object.__setattr__(value, name, _locked(each))
+            object.__setattr__(found, name, _through(each, change, fields_alone))
+        return found
     return value
 
 
-def _array(array: NDArray[Any]) -> NDArray[Any]:
+def _copied(array: NDArray[Any]) -> NDArray[Any]:
+    return _locked(array.copy(order="K"))
+
+
+def _locked(array: NDArray[Any]) -> NDArray[Any]:
     base: Any = array
     while isinstance(base, np.ndarray):
         base.setflags(write=False)
@@ -55,10 +77,14 @@ def _array(array: NDArray[Any]) -> NDArray[Any]:
     return array.view()
 
 
-def _record(record: Any) -> Any:
-    """A copy of a dataclass, frozen or not, with what it has computed for itself so far."""
-    found = copy.copy(record)
-    names = vars(record) if hasattr(record, "__dict__") else [each.name for each in fields(record)]
-    for name in list(names):
-        object.__setattr__(found, name, _locked(getattr(record, name)))
+def _record(record: Any, change: Callable[[NDArray[Any]], NDArray[Any]], fields_alone: bool) -> Any:
+    """A copy of a dataclass, frozen or not; unless `fields_alone`, with what it has computed for itself."""
+    found, names = copy.copy(record), [each.name for each in fields(record)]
+    if hasattr(record, "__dict__"):
+        computed = [name for name in vars(record) if name not in names]
+        for name in computed if fields_alone else ():
+            del vars(found)[name]
+        names += () if fields_alone else computed
+    for name in names:
+        object.__setattr__(found, name, _through(getattr(record, name), change, fields_alone))
     return found

@@ -15,8 +15,14 @@ MOST_POINTS = 8000
 """Points of a cloud that the search sees; what it finds is carried over to all points in the end."""
 GROSS = 1.4
 """Ratio of sizes up to which two clouds may be scans of one subject in the same units."""
+SLIGHT = 1.2
+"""Ratio of sizes from which they differ if all estimates agree about the ratio."""
+AGREE = 1.15
+"""Ratio of the largest to the smallest estimate up to which they agree."""
 SETTINGS = ("eta", "sigma_e", "sigma_t", "cutoff", "reference_points")
 """Of the medial operator: what its heat kernel depends on, beside the departures."""
+ESTIMATES = 3
+"""Of the ratio of sizes; surface operators know no radii, and two estimates may agree by chance."""
 UNKNOWN = "unknown"
 """A setting that a diffusion does not tell."""
 
@@ -128,14 +134,18 @@ def common_units(source: Diffusion, target: Diffusion) -> tuple[CloudInUnits, Cl
 def relative_scale(source: Diffusion, target: Diffusion) -> float:
     """Factor that brings the target to the source's units; 1 unless the clouds' sizes differ grossly.
 
-    Scans of one subject share their units. Each estimate of a ratio of sizes has its weakness, so the units
-    differ only if all of them say so; then their median tells by how much.
+    Scans of one subject share their units. Each estimate of a ratio of sizes has its weakness, so the sizes
+    differ only if all of them say so: each by more than `GROSS`, or by more than `SLIGHT` and all by the
+    same. Then their median tells by how much.
     """
     found = zip(sizes(source), sizes(target), strict=True)
     ratios = np.array([here / there for here, there in found if here > 0 and there > 0])
-    if (ratios < 1 / GROSS).all() or (ratios > GROSS).all():
-        return float(np.exp(np.median(np.log(ratios))))
-    return 1.0
+    if not len(ratios) or ratios.min() < 1 < ratios.max():
+        return 1.0
+    logs = np.log(ratios)
+    least, spread = np.exp(np.abs(logs).min()), np.exp(np.ptp(logs))
+    differ = least > GROSS or (len(ratios) == ESTIMATES and least > SLIGHT and spread < AGREE)
+    return float(np.exp(np.median(logs))) if differ else 1.0
 
 
 def sizes(diffusion: Diffusion) -> tuple[float, float, float]:

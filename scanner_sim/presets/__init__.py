@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen.parsing import parsed_toml
-from datasets_gen.records import InputError
+from datasets_gen.records import InputError, file_content
 from datasets_gen.values import did_you_mean
 
 KEY = "preset"
@@ -94,7 +94,7 @@ def _read(name: str | os.PathLike[str]) -> dict[str, Any]:
     path = Path(name)
     if path.suffix.lower() == ".toml":
         try:
-            content = path.read_bytes()
+            content = file_content(path)
         except OSError as error:
             reason = error.strerror or str(error)
             raise InputError(f"cannot read the preset {str(name)!r}: {reason}") from error

@@ -67,6 +67,14 @@ def test_a_file_whose_poses_are_too_few_or_too_many_is_refused(ball, count, tmp_
         Collection.load(tmp_path / "other.npz")
 
 
+def test_a_file_without_faces_is_refused(ball, tmp_path):
+    ball.save(tmp_path / "body.npz")
+    arrays, meta = load_record(tmp_path / "body.npz", "Collection")
+    save_record(tmp_path / "other.npz", "Collection", arrays | {"faces": arrays["faces"][:0]}, meta)
+    with pytest.raises(InputError, match="a pose has no faces"):
+        Collection.load(tmp_path / "other.npz")
+
+
 def test_poses_share_their_faces(ball):
     other = replace(ball["pose2"], faces=ball["pose2"].faces[::-1])
     with pytest.raises(InputError, match="must share connectivity"):

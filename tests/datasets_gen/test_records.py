@@ -1,6 +1,8 @@
 """Files that are whole or not there, and what is said of others."""
 
 import errno
+import os
+import stat
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -8,7 +10,15 @@ import numpy as np
 import pytest
 
 from datasets_gen import Collection, Shape
-from datasets_gen.records import InputError, atomic_path, leftovers, load_record, save_record
+from datasets_gen.records import (
+    InputError,
+    atomic_path,
+    file_content,
+    leftovers,
+    load_record,
+    no_file,
+    save_record,
+)
 from medial import Diffusion, Matching
 
 
@@ -56,6 +66,25 @@ def test_what_cannot_be_put_in_place_names_the_file_and_what_to_do(tmp_path, mon
                 atomic_path(tmp_path / "a.txt"),
             ):
                 pass
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_pipes_and_devices_are_neither_read_nor_replaced(tmp_path):
+    pipe, device = tmp_path / "pipe.npz", tmp_path / "device.npz"
+    os.mkfifo(pipe)
+    device.symlink_to("/dev/zero")
+    (tmp_path / "plain").write_bytes(b"a")
+    assert file_content(tmp_path / "plain") == b"a"
+    for path in (pipe, device):
+        for read in (file_content, lambda path: load_record(path, "Scan")):
+            with pytest.raises(InputError, match=f"{path.name}' is a pipe or a device; give a"):
+                read(path)
+        with pytest.raises(InputError, match="it is a pipe or a device"), atomic_path(path):
+            raise AssertionError
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert device.is_symlink()
+    assert no_file(tmp_path) == "is a folder"
+    assert no_file(tmp_path / "none") == no_file(tmp_path / "plain") == no_file("a\0b") == ""
 
 
 def test_leftovers_are_the_temporary_files_of_killed_writers(tmp_path):

@@ -48,6 +48,20 @@ class Nearest(Method):
             raise ValueError("half \ud800\x1b[31m of\n it " + 2000 * "x")
         if self.trouble == "write":
             source.scan.points[:] = 0
+        if self.trouble == "base":  # past every lock
+            import ctypes
+            for array in (source.points, target.points):
+                array.base.setflags(write=True)
+                array.base[:] = 0
+                ctypes.memset(array.ctypes.data, 0, array.nbytes)
+        if self.trouble == "settings":
+            import random, warnings
+            np.seterr(all="raise")
+            warnings.simplefilter("error")
+            os.umask(0o777)
+            os.environ["HOME"] = "nowhere"
+            random.seed(1), np.random.seed(1), sys.setrecursionlimit(500)
+            return dense(np.zeros(len(source), int), np.ones(len(source)))
         if self.trouble == "note":
             source.scan.config.__dict__.clear()
         if self.trouble == "wrong":

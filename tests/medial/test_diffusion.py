@@ -307,5 +307,5 @@ def test_not_finite(figure, operator):
 
 
 def test_all_points_at_one_place():
-    with pytest.raises(InputError, match="1 points are too few"):
+    with pytest.raises(InputError, match="all 50 points lie at one place"):
         Diffusion.from_points(np.ones((50, 3)), np.tile([0, 0, 1.0], (50, 1)), modes=1)

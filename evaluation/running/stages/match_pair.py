@@ -9,12 +9,13 @@ from datasets_gen.fingerprints import library_versions
 from evaluation.methods.base import Method, MethodInput
 from evaluation.methods.catalogue import METHODS, create
 from evaluation.methods.returned_map import checked_map
-from evaluation.running.read_only import read_only
+from evaluation.running.read_only import private
 from evaluation.running.stages.interface import Inputs, Output
+from evaluation.running.surroundings import kept_surroundings
 
 
 def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
-    """Match two clouds. The method cannot write into what it is given: tasks after it share it.
+    """Match two clouds. The method gets copies of its own: what it does to them stays with it.
 
     ``spec``: ``method``, ``options``, ``seed``. Inputs: ``shape``, ``source_scan``, ``target_scan`` and
     ``source_<operator>``, ``target_<operator>`` for every operator that the method asks for.
@@ -29,7 +30,9 @@ def compute(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     """
     method = create(spec["method"], deepcopy(spec["options"]))
     source, target = (_cloud(side, method, inputs) for side in ("source", "target"))
-    found = checked_map(method.match(source, target, seed=spec["seed"]), len(source), len(target))
+    with kept_surroundings(spec["seed"]):
+        returned = method.match(source, target, seed=spec["seed"])
+    found = checked_map(returned, len(source), len(target))
     home = METHODS.get(spec["method"], spec["method"]).rpartition(":")[0]
     info = {"mirror_check": found.mirror_check, "cost": found.cost if isfinite(found.cost) else None}
     return Output(found.save, {**info, "method_versions": library_versions(home)})
@@ -45,4 +48,4 @@ def _cloud(side: str, method: Method, inputs: Inputs) -> MethodInput:
         if method.uses_truth
         else None,
     )
-    return read_only(cloud)
+    return private(cloud)

@@ -2,11 +2,15 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from datasets_gen.compiled import compiled
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
+
+FEW = 1000
+"""Up to this number, places are compared one by one; of more, a tree finds the nearest."""
 
 
 @compiled(fastmath={"contract"})
@@ -45,3 +49,10 @@ def nearest_of_few(places: Float, goals: Float) -> Int:
             least[j] = square if nearer else least[j]
             index[j] = i if nearer else index[j]
     return index
+
+
+def nearest_places(places: Float, goals: Float) -> Int:
+    """Index of the place nearest to each goal, (g,), where places (p, 6) are looked among but once."""
+    if len(places) <= FEW:
+        return np.asarray(nearest_of_few(places, goals))
+    return np.asarray(cKDTree(places).query(goals)[1])

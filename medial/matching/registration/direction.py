@@ -15,12 +15,13 @@ from medial.matching.common_units import Int
 from medial.matching.landmarks.candidates import Candidate
 from medial.matching.landmarks.rigid_starts import half_turns, principal_axes, rigid_poses
 from medial.matching.prepared import PreparedCloud, PreparedPair
+from medial.matching.registration.closest_points import nearest_places
 from medial.matching.registration.deformation_graph import NodeGraph, Pose, moved_centers
 from medial.matching.registration.evidence import Weights, medial_gap
 from medial.matching.registration.exchange import ExchangeLimits, distinct, exchange_parts
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.refinement import FineDeformation
-from medial.matching.registration.registration import Registration, Schedule, features, nearest_places
+from medial.matching.registration.registration import Registration, Schedule, features
 from medial.matching.registration.visibility import Visibility
 
 QUICK = Schedule()

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from medial.matching.common_units import CloudInUnits
-from medial.matching.registration.closest_points import meeting, nearest_of_few
+from medial.matching.registration.closest_points import meeting, nearest_places
 from medial.matching.registration.deformation_graph import (
     Attachment,
     Float,
@@ -46,8 +46,6 @@ SMALLEST_SCALE = 0.01
 """Residuals below this, in sqrt(area), are no outliers when a node's motion is estimated."""
 LEAF = 64
 """Points in a leaf of the tree of points and normals, in which six coordinates exclude few branches."""
-FEW = 1000
-"""Up to this number, places are compared one by one; of more, a tree finds the nearest."""
 FOLLOW_STIFFNESS = 0.2
 """Stiffness while a map is followed, relative to that of the first round of closest points."""
 BELIEVED = 0.1
@@ -289,13 +287,6 @@ def found(points: Float, normals: Float, goals: Float, goal_normals: Float) -> F
 def features(points: Float, normals: Float) -> Float:
     """Points (n, 3) and unit normals as one vector (n, 6), whose distances are lengths."""
     return np.hstack([points, NORMAL_LENGTH * normals])
-
-
-def nearest_places(places: Float, goals: Float) -> Int:
-    """Index of the place nearest to each goal, (g,), where places (p, 6) are looked among but once."""
-    if len(places) <= FEW:
-        return np.asarray(nearest_of_few(places, goals))
-    return np.asarray(cKDTree(places).query(goals)[1])
 
 
 def _robust(square: Float, scale: float) -> Float:

@@ -69,6 +69,13 @@ WRONG = {
     "config is a dict": {"config": {}},
     "restarts are a list": {"restarts": []},
     "restarts.'a'. is of type object": {"restarts": {"a": np.array([None])}},
+    "restarts has a column 'a.x00b'": {"restarts": {"a\0b": np.ones(2)}},
+    "restarts has a column 'xxx": {"restarts": {100 * "x": np.ones(2)}},
+    "restarts has a column 7": {"restarts": {7: np.ones(2)}},
+    "restarts.'a'. is no array of numbers": {"restarts": {"a": [[1], [1, 2]]}},
+    "probability is 5, not in": {"probability": 5.0},
+    "probability is -1, not in": {"probability": -1},
+    "cost is a int, not a number that can be stored": {"cost": 10**400},
     "about cannot be stored": {"about": {"x": object()}},
     "source_points has shape": {"source_points": np.zeros((N, 2))},
     "alternatives are nothing": {"alternatives": None},
@@ -93,6 +100,24 @@ def test_what_breaks_a_promise_is_named(said):
 def test_only_a_matching_is_a_map(found):
     with pytest.raises(InputError, match="not a Matching; return dense"):
         checked_map(found, N, M)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ((np.ma.array(np.zeros(N, int), mask=np.ones(N)), np.ones(N)), "target ids are a masked array; fill"),
+        ((np.zeros(N, int), np.ma.array(np.ones(N), mask=np.ones(N))), "confidences are a masked array"),
+        ((5, 5), "target ids of shape .. with confidences of shape"),
+        ((np.zeros((N, 2), int), np.ones(N)), "target ids of shape .6, 2."),
+        ((np.zeros(N, int), "abcde"), "confidences are of type <U5, not numbers"),
+        ((np.zeros(N, int), np.ones(N - 1)), "with confidences of shape .5,."),
+        (([[1], [1, 2]], np.ones(2)), "target ids are a list, no array"),
+    ],
+    ids=["mask", "mask of confidence", "numbers", "table", "text", "lengths", "ragged"],
+)
+def test_dense_refuses_what_is_no_map(given, said):
+    with pytest.raises(InputError, match=said):
+        dense(*given)
 
 
 def test_dense_does_not_round():

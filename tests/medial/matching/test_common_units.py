@@ -27,6 +27,13 @@ def test_small_differences_of_size_are_kept(factor):
     assert relative_scale(figure(), scaled(500, 1, factor)) == 1
 
 
+@pytest.mark.parametrize("factor", [1.3, 1 / 1.3])
+def test_smaller_differences_are_recognized_where_all_estimates_agree(factor):
+    assert relative_scale(figure(), scaled(500, 1, factor)) * factor == pytest.approx(1, rel=0.1)
+    other = replace(figure(), radii=1.3 * figure().radii, areas=1.3 * figure().areas)  # as with data missing
+    assert relative_scale(figure(), other) == 1
+
+
 def test_surface_operators_compare_area_and_extent():
     flat = replace(figure(), radii=np.zeros(len(figure())), operator="robust")
     large = replace(flat, points=10 * flat.points, areas=100 * flat.areas)

@@ -14,8 +14,11 @@ def spectrum():
 
 
 def test_spectral_refinement_keeps_the_identity(spectrum):
-    identity = np.arange(len(spectrum))
-    assert np.array_equal(spectral_refinement(spectrum, spectrum, identity), identity)
+    found = spectral_refinement(spectrum, spectrum, np.arange(len(spectrum)))
+    moved = np.flatnonzero(found != np.arange(len(spectrum)))
+    assert len(moved) <= len(spectrum) / 100  # in 20 modes, in single precision, two points may be one
+    first = spectrum.eigenfunctions[:, :20] / np.linalg.norm(spectrum.eigenfunctions[:, :20], axis=1).max()
+    assert np.allclose(first[moved], first[found[moved]], atol=1e-3)
 
 
 def noisy(points, size):

@@ -1,0 +1,53 @@
+"""What a method may change of the process that runs it, put back for the methods after it."""
+
+import contextlib
+import os
+import random
+import sys
+import warnings
+from collections.abc import Iterator
+
+import numpy as np
+
+
+@contextlib.contextmanager
+def kept_surroundings(seed: int) -> Iterator[None]:
+    """A block after which the process is as before, and whose global random numbers are drawn from a seed.
+
+    Put back are the filters of warnings, NumPy's handling of floating-point errors, the generators of
+    `random` and of `numpy.random`, the environment, the working folder, the mask of new files and the limit
+    of recursion.
+
+    Parameters
+    ----------
+    seed
+        Of the generators.
+    """
+    drawn, environment = random.getstate(), dict(os.environ)
+    drawn_numpy = np.random.get_state()  # noqa: NPY002 - methods may use it
+    folder, mask, depth = _working_folder(), os.umask(0o022), sys.getrecursionlimit()
+    os.umask(mask)
+    random.seed(seed)
+    np.random.seed(seed % 2**32)  # noqa: NPY002
+    try:
+        with warnings.catch_warnings(), np.errstate():
+            yield
+    finally:
+        random.setstate(drawn)
+        np.random.set_state(drawn_numpy)  # noqa: NPY002
+        if os.environ != environment:
+            os.environ.clear()
+            os.environ.update(environment)
+        if folder and _working_folder() != folder:
+            with contextlib.suppress(OSError):  # removed meanwhile
+                os.chdir(folder)
+        os.umask(mask)
+        sys.setrecursionlimit(depth)
+
+
+def _working_folder() -> str:
+    """Empty if it is gone."""
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""
