@@ -191,6 +191,13 @@ def test_interpolation_by_loops(count):
     assert found.toarray() == pytest.approx(np.array(written), abs=1e-12)
 
 
+def test_by_hand_a_sample_at_right_angles_does_not_face_the_same_way():
+    samples = np.array([[0.0, 0, 0], [1, 0, 0], [3, 0, 0]])
+    sample_normals = np.array([[0, 0, 1.0], [0, 1, 0], [0, 0, 1]])
+    found = interpolation(samples, sample_normals, np.array([[1.0, 0, 0]]), np.array([[0, 0, 1.0]]))
+    assert found.toarray() == pytest.approx(np.array([[0.8, 0, 0.2]]))
+
+
 def test_interpolation_by_loops_where_samples_coincide_or_are_alone():
     """Of two samples at the point itself each counts half; a sample alone is all there is."""
     samples = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0]])

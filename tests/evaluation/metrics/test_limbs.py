@@ -4,7 +4,7 @@ import pytest
 from datasets_gen import load
 from evaluation.metrics.correspondence import SurfacePoints
 from evaluation.metrics.geodesic import SurfaceDistance
-from evaluation.metrics.limbs import LEAST, Limbs, find_limbs, limb_shares, remoteness
+from evaluation.metrics.limbs import LEAST, Limbs, _edges, find_limbs, limb_shares, remoteness
 from evaluation.metrics.mirror_images import mirror_points
 from tests.evaluation.meshes import as_shape, random_points, sphere
 
@@ -135,14 +135,18 @@ def cross(arms=(5, 4, 3), cell=1.0):
     return as_shape(np.vstack([vertices, [[90.0, 0, 0]]]), faces)
 
 
-def test_remoteness_of_a_small_body_by_loops():
+@pytest.mark.parametrize("bend", [0.0, 0.3])
+def test_remoteness_of_a_small_body_by_loops(bend):
     """The mean distance over the area, of which every vertex stands for a third of its faces'."""
     shape = cross()
+    x, y, z = shape.vertices.T
+    shape = as_shape(np.column_stack([x + bend * x * np.abs(x), y, z]), shape.faces)  # squares of other sizes
     lengths, n = along_edges(shape), len(shape.vertices)
     area = np.zeros(n)
     for face in shape.faces:
+        a, b, c = shape.vertices[face]
         for vertex in face:
-            area[vertex] += 0.5 / 3  # half a unit square
+            area[vertex] += np.linalg.norm(np.cross(b - a, c - a)) / 2 / 3
     expected = [sum(area[w] * lengths[v, w] for w in range(n - 1)) / sum(area) for v in range(n - 1)]
     found = remoteness(shape, GivenDistance(lengths))
     assert found[:-1] == pytest.approx(expected)
@@ -156,6 +160,11 @@ def test_remoteness_of_two_small_pieces_is_that_within_each():
     found = remoteness(both, GivenDistance(along_edges(both)))
     alone = remoteness(one, GivenDistance(along_edges(one)))
     assert found == pytest.approx(np.concatenate([alone, 2 * alone]))
+
+
+def test_edges_of_a_small_triangle():
+    shape = as_shape(np.eye(3), [[0, 1, 2]])
+    assert (_edges(shape).toarray() > 0).tolist() == (~np.eye(3, dtype=bool)).tolist()
 
 
 def meeting_levels(shape, field):
