@@ -21,7 +21,7 @@ from datasets_gen.meshes.files import MESH_SUFFIXES, read_mesh, write_mesh
 from datasets_gen.meshes.mirroring import mirror_map
 from datasets_gen.parsing import parsed_json
 from datasets_gen.paths import distinct_names, inside
-from datasets_gen.records import InputError, atomic_path, file_content
+from datasets_gen.records import InputError, atomic_path
 from datasets_gen.shape import Shape
 
 _log = logging.getLogger(__name__)
@@ -223,7 +223,7 @@ def read_manifest(root: Path) -> dict[str, Any]:
     if not path.is_file():
         return {}
     try:
-        manifest = parsed_json(file_content(path), repr(str(path)))
+        manifest = parsed_json(path.read_bytes(), repr(str(path)))
     except OSError as error:
         raise InputError(f"{str(path)!r} cannot be read: {error.strerror}; correct or remove it") from error
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:

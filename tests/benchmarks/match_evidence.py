@@ -121,7 +121,7 @@ def finalists_of(
                     "log_likelihood": each.log_likelihood,
                     "error": error_of(selection.dense(each).match),
                     **{name: getattr(quick, name) for name in ("seen", "missed", "strain", "held")},
-                    "paths": path_change(quick, quick.inverse),
+                    "paths": path_change(quick),
                 }
             )
     return rows

@@ -47,31 +47,24 @@ class Placement:
 
 def place(fit: DirectedFit) -> Placement:
     """Where a fit puts the samples of the pair's source; with its inverse if the target is deformed."""
-    inverse = fit.inverse
-    places = fit.direction.source.cloud.points[inverse] if fit.backward else fit.moved
+    places = fit.direction.source.cloud.points[fit.inverse] if fit.backward else fit.moved
     weights = fit.weights
     cost = weights.paths if fit.direction.pair.to_move is None else weights.mirrored_paths
-    score = fit.score - UNMOVED_COST * unmoved(fit) - cost * path_change(fit, inverse)
+    score = fit.score - UNMOVED_COST * unmoved(fit) - cost * path_change(fit)
     return Placement(places, score)
 
 
-def path_change(fit: DirectedFit, inverse: Int) -> float:
+def path_change(fit: DirectedFit) -> float:
     """How much a fit changes paths along the body, in sqrt(area): mean of there and back; 0 without paths.
 
     Both count alike, so that fits of the two directions compare. Where two limbs come to lie on one, the
     paths of the one say little and those of the two say much.
-
-    Parameters
-    ----------
-    fit
-    inverse : (s,) int64
-        `DirectedFit.inverse` of it.
     """
     here, there = fit.direction.source, fit.direction.target
     if here.paths is None or there.paths is None:
         return 0.0
     out = path_distortion(here.paths, there.paths, here.descriptors.samples, fit.partner)
-    home = path_distortion(there.paths, here.paths, there.descriptors.samples, inverse)
+    home = path_distortion(there.paths, here.paths, there.descriptors.samples, fit.inverse)
     return (out + home) / 2
 
 

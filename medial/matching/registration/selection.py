@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +72,7 @@ class FineSelection:
     def __init__(self, fits: list[DirectedFit], placements: list[Placement], config: MatchConfig) -> None:
         self._fits, self._placements, self._config = fits, placements, config
         self._weights = fits[0].weights
-        gaps = run_tasks(_medial_gap, [(each,) for each in fits])
+        gaps = run_tasks(attrgetter("medial_gap"), [(each,) for each in fits])
         self._promise = [
             promise(self._weights, p.score, gap) for p, gap in zip(placements, gaps, strict=True)
         ]
@@ -170,10 +171,6 @@ def groups(rivals: list[Rival], none: float, placements: list[Placement]) -> lis
             heads.append(each)
     share = probabilities(np.array([head.log_likelihood for head in heads]), none)
     return list(zip(heads, share.tolist(), strict=True))
-
-
-def _medial_gap(fit: DirectedFit) -> float:
-    return fit.medial_gap
 
 
 def _ranked(finalists: Iterable[Finalist]) -> list[Finalist]:
