@@ -18,15 +18,21 @@ import numpy as np
 T = TypeVar("T")
 
 
-def compiled(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def compiled(inline: str | None = None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """`numba.njit` without the interpreter lock, cached on disk where any cache folder can be written.
+
+    Arithmetic is that of IEEE 754 in the order written, so that a kernel has the same bits on every
+    processor. With ``fastmath`` the compiler chooses the order, and does not always choose the same: one
+    function compiled before or after others had other last digits.
 
     Numba caches beside the module, else in the user's cache folder. With neither writable it refuses; then
     the kernel is compiled once per process.
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        settings = {"nogil": True, "error_model": "numpy", **options}
+        settings: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+        if inline is not None:
+            settings["inline"] = inline
         try:
             return numba.njit(cache=True, **settings)(function)
         except RuntimeError:

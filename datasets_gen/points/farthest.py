@@ -134,7 +134,7 @@ def farthest_in_embedding(
     return np.asarray(_farthest_in_cells(x, min(count, len(x)), start, away))
 
 
-@compiled(fastmath={"contract", "reassoc"})
+@compiled()
 def _square(a: Float32, b: Float32) -> np.float32:
     """Squared distance of two points."""
     total = np.float32(0)

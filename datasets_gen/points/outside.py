@@ -83,7 +83,7 @@ def _sources(points: Float) -> tuple[NDArray[np.int64], Float, float]:
     return acting, spacing[acting] ** 2 * share, max(softening, least)
 
 
-@compiled(fastmath={"contract", "reassoc"})
+@compiled()
 def _pushed(at: Any, points: Any, areas: Any, softening: float) -> Any:
     out = np.zeros((len(at), 3))
     for i in range(len(at)):
@@ -97,7 +97,7 @@ def _pushed(at: Any, points: Any, areas: Any, softening: float) -> Any:
     return out
 
 
-@compiled(fastmath={"contract", "reassoc"})
+@compiled()
 def _wound(at: Any, points: Any, moments: Any, softening: float) -> Any:
     out = np.zeros(len(at))
     for i in range(len(at)):

@@ -121,7 +121,7 @@ def nearest_sum_of_norms(
     return index, distance
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _add_norms(total: Float32, product: Float32, square_q: Float32, square_t: Float32) -> None:
     for i in range(total.shape[0]):
         for j in range(total.shape[1]):

@@ -146,7 +146,7 @@ def _grouped(i: Any, j: Any, cells: Any, count: int) -> Any:
     return sorted_i, sorted_j, starts
 
 
-@compiled(fastmath={"contract", "arcp", "reassoc", "nsz"})
+@compiled()
 def _test(s: Any, i: int, x: Any, y: Any, z: Any, u: Any, v: Any, w: Any, places: Any, radii: Any) -> None:
     """Table entry and squared radius of the balls of point i with some others; entry 0 where discarded."""
     zero, quarter, half, one, four = (
@@ -183,7 +183,7 @@ def _test(s: Any, i: int, x: Any, y: Any, z: Any, u: Any, v: Any, w: Any, places
         radii[j] = radius
 
 
-@compiled(fastmath={"contract", "arcp", "reassoc", "nsz"})
+@compiled()
 def _joined(leaves: Any, a: int, first: int, least: Any, largest: Any, kept: Any) -> None:
     """Whether some ball that may pass can touch leaf a and each of the leaves from `first` on."""
     zero, one, two, four, slack = (

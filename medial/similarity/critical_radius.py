@@ -224,7 +224,7 @@ def _critical_radius(
     return 1.0001 * bound * _newton(scratch[0, :within], scratch[1, :within], np.float32(most)) ** -0.25
 
 
-@compiled(fastmath={"contract", "reassoc", "arcp"})
+@compiled()
 def _newton(fourth: Any, weight: Any, most: Any) -> Any:
     """The s >= 1 at which the sum of weight (1 - fourth s)_+ falls to `most`, from the left of it."""
     one, none = np.float32(1), np.float32(0)

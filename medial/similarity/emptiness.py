@@ -195,7 +195,7 @@ def _sum_depths(
     return count
 
 
-@compiled(fastmath={"contract", "reassoc", "nsz"})
+@compiled()
 def _add(near: Any, first: int, last: int, cx: Any, cy: Any, cz: Any, inverse: Any, depth: Any) -> None:
     """Add mass (1 - (|p - c| / r)^4)_+ (Eq. 6) of points [first, last) to every depth, four at a time."""
     one, zero = np.float32(1), np.float32(0)

@@ -47,7 +47,7 @@ def similar_among_all(
             yield order[rows], order[cols], values
 
 
-@compiled(fastmath={"contract", "reassoc"})
+@compiled()
 def _rows(
     px: Any, py: Any, pz: Any, nx: Any, ny: Any, nz: Any, mass: Any, settings: Any, start: int, stop: int
 ) -> Any:

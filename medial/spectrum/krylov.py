@@ -134,7 +134,7 @@ def multiply(
     return out
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _rows(
     indptr: Any, indices: Any, data: Any, block: Any, minus: Any, out: Any, factor: float, shift: float,
     keep: float, start: int, stop: int,

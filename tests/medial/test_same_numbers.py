@@ -3,8 +3,12 @@
 docs/reproducibility.md says how near on scans, and what a change of processor or of libraries does.
 """
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numba
 import numpy as np
@@ -46,6 +50,29 @@ def test_the_number_of_threads_changes_no_bit_of_a_map(monkeypatch):
     assert np.array_equal(one.source_to_target, two.source_to_target)
     assert np.array_equal(one.confidence, two.confidence)
     assert one.probability == two.probability
+
+
+MAP = """
+import hashlib
+from medial import match
+from tests.medial.test_same_numbers import BENT, QUICK, bent_figure, figure
+
+found = match(figure(), bent_figure(*BENT), QUICK)
+for array in (figure().areas, figure().radii, found.source_to_target, found.confidence):
+    print(hashlib.sha1(array.tobytes()).hexdigest())
+"""
+
+
+@pytest.mark.slow
+def test_a_processor_without_wide_vectors_changes_no_bit_of_a_map(tmp_path):
+    """Nor does the order in which kernels are compiled: these are compiled anew, ours were loaded."""
+    root = Path(__file__).parents[2]
+    found = [
+        subprocess.check_output([sys.executable, "-c", MAP], text=True, cwd=root, env={**os.environ, **more})
+        for more in ({}, {"NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(tmp_path)})
+    ]
+    assert found[0] == found[1]
+    assert len(found[0].split()) == 4
 
 
 def moved(points, normals, seed):

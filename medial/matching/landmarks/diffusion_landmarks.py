@@ -161,7 +161,7 @@ def _square_parts(x: Float32, y: Float32) -> tuple[Float32, Float32, Float32]:
     return b @ (-2 * a.T), np.einsum("nd,nd->n", a, a), np.einsum("md,md->m", b, b)
 
 
-@compiled(fastmath={"contract", "nnan", "nsz"})
+@compiled()
 def _sum_of_nearest(agreement: Float32, product: Float32, square_x: Float32, square_y: Float32) -> float:
     """Sum over columns of the square root of the column's smallest squared distance (Eq. 16's objective)."""
     least = np.full(len(square_x), np.float32(np.inf))

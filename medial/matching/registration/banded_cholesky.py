@@ -13,7 +13,7 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def cholesky_solve(system: Float, right: Float) -> Float:
     """Solution of a positive definite system of which the lower triangle is given; it is overwritten.
 
@@ -48,7 +48,7 @@ def cholesky_solve(system: Float, right: Float) -> Float:
     return x
 
 
-@compiled(fastmath={"contract", "reassoc"})
+@compiled()
 def _dot(a: Float, b: Float) -> float:
     total = 0.0
     for k in range(len(a)):

@@ -9,7 +9,7 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def blend(
     points: Float, directions: Float, nodes: Int, weights: Float, rest: Float, turn: Float, place: Float
 ) -> tuple[Float, Float]:

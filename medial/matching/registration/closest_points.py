@@ -13,7 +13,7 @@ FEW = 1000
 """Up to this number, places are compared one by one; of more, a tree finds the nearest."""
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def meeting(points: Float, normals: Float, goals: Float, goal_normals: Float) -> tuple[Float, Float]:
     """Squared distances of points from their goals, and cosines of their normals, not below 0; (n,) each."""
     square, cosine = np.zeros(len(points)), np.zeros(len(points))
@@ -26,7 +26,7 @@ def meeting(points: Float, normals: Float, goals: Float, goal_normals: Float) ->
     return square, cosine
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def nearest_of_few(places: Float, goals: Float) -> Int:
     """Index of the place nearest to each goal, (g,); of equally near ones the first.
 

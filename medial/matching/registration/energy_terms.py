@@ -14,7 +14,7 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def add_pulls(
     metric: Float, force: Float, rows: Int, offset: Float, normals: Float, even: Float, along: Float
 ) -> None:
@@ -34,7 +34,7 @@ def add_pulls(
             force[j, r] += even[i] * offset[i, r] + slip * normals[i, r]
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def add_points(
     system: Float,
     right: Float,
@@ -82,7 +82,7 @@ def add_points(
                     _add_block(system[row : row + 6, col : col + 6], pulled, arms[k], weights[i, k])
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _times_lever(pulled: Float, metric: Float, y: Float, w: float) -> None:
     """M L for the lever of arm y and weight w, (3, 6)."""
     y0, y1, y2 = y
@@ -93,7 +93,7 @@ def _times_lever(pulled: Float, metric: Float, y: Float, w: float) -> None:
         pulled[r, 3], pulled[r, 4], pulled[r, 5] = u0, u1, u2
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _add_force(right: Float, force: Float, y: Float, w: float) -> None:
     """Add L^T f, (6,)."""
     y0, y1, y2 = y
@@ -106,7 +106,7 @@ def _add_force(right: Float, force: Float, y: Float, w: float) -> None:
     right[5] += f2
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _add_block(block: Float, pulled: Float, z: Float, v: float) -> None:
     """Add L^T (M L_m) of the lever of arm z and weight v, (6, 6)."""
     z0, z1, z2 = v * z[0], v * z[1], v * z[2]
@@ -120,7 +120,7 @@ def _add_block(block: Float, pulled: Float, z: Float, v: float) -> None:
         block[5, q] += v * p2
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def add_edges(
     system: Float,
     right: Float,
@@ -172,7 +172,7 @@ def add_edges(
     return energy
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _edge_gaps(
     both: Float,
     gaps: Float,
@@ -201,7 +201,7 @@ def _edge_gaps(
     return square
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _add_turn(system: Float, right: Float, axis: Float, i: int, j: int, s: float) -> None:
     """Add s |axis|^2, where the axis is that of the turn between i and j."""
     low, high = min(i, j), max(i, j)
@@ -213,7 +213,7 @@ def _add_turn(system: Float, right: Float, axis: Float, i: int, j: int, s: float
         system[6 * high + r, 6 * low + r] -= s
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _add_gap(system: Float, right: Float, both: Float, gap: Float, i: int, j: int, s: float) -> None:
     """Add s |gap|^2, where `both` (3, 12) is the derivative of the gap by the motions of i and j."""
     for p in range(12):
@@ -227,7 +227,7 @@ def _add_gap(system: Float, right: Float, both: Float, gap: Float, i: int, j: in
                     system[row, col] += s * both[r, p] * both[r, q]
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _lever(block: Float, w: float, y: Float) -> None:
     """Derivative of a point at arm y from its node by the node's turn and shift: w [-[y]x, I], (3, 6)."""
     block[:] = 0.0
@@ -238,7 +238,7 @@ def _lever(block: Float, w: float, y: Float) -> None:
         block[r, 3 + r] = w
 
 
-@compiled(fastmath={"contract"})
+@compiled()
 def _arm(out: Float, turn: Float, x: Float, g: Float) -> None:
     """R (x - g)."""
     for r in range(3):
