@@ -42,7 +42,7 @@ def fits(setup):
 def test_two_maps_with_different_limbs_wrong_make_a_right_one(setup, fits, first, second):
     parents = [fits[first], fits[second]]
     pool = exchange_parts(setup.registration, parents, ExchangeLimits())
-    assert min(error(setup, parent, *BENT).mean() for parent in parents) > 0.04
+    assert min(error(setup, parent, *BENT).mean() for parent in parents) > 0.03
     assert error(setup, pool[0], *BENT).mean() < 0.01
     assert pool[0].score > max(parent.score for parent in parents) + 0.1
     assert pool[0].score == pytest.approx(fits["nothing"].score, abs=0.01)
