@@ -155,8 +155,8 @@ def _beaten(gap: "pd.Series[float]", known: dict[tuple[int, ...], _Resamples]) -
 def _by_method(maps: pd.DataFrame, measure: str) -> pd.DataFrame:
     """Values by pair of poses, regime and seed (rows) and method (columns)."""
     values = pd.to_numeric(maps[measure].astype("object"), errors="coerce")
-    keys = [*UNIT, *NESTED]
-    return maps.assign(value=values).pivot_table("value", keys, "method", aggfunc="mean", dropna=False)
+    groups = maps.assign(value=values).groupby([*UNIT, *NESTED, "method"], dropna=False, observed=True)
+    return groups["value"].mean().unstack("method")
 
 
 def _cells(index: pd.Index) -> pd.DataFrame:

@@ -18,6 +18,18 @@ def human():
     return load("human")
 
 
+DERIVED = {}
+"""What was derived from records that are in it too, so that none gives its place to another."""
+
+
+def derived(record, function):
+    """What a function makes of a record, made once as in a worker."""
+    key = id(record), function.__qualname__
+    if key not in DERIVED:
+        DERIVED[key] = record, function(record)
+    return DERIVED[key][1]
+
+
 def scored(collection, source, target, found):
     """The row of a map; medial centres of the reference are halfway to the body's axis."""
     ideal = sample(collection.reference, 1000, seed=9)
@@ -37,7 +49,7 @@ def scored(collection, source, target, found):
         keys={},
         load=records.__getitem__,
         note=lambda role: {"missing": 0.0},
-        derive=lambda role, function: function(records[role]),
+        derive=lambda role, function: derived(records[role], function),
     )
     return score_map(SPEC, inputs).info["row"]
 
