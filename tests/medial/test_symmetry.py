@@ -65,6 +65,7 @@ def test_a_ball_has_no_symmetry_to_be_sure_of():
     assert (found.confidence < 0.5).all()
 
 
+@pytest.mark.slow
 def test_a_missing_arm_has_no_counterpart(human):
     scan = sample(human.reference, 2500, seed=0)
     there = scan.points[:, 0] < human.reference.vertices[:, 0].max() - 0.45  # one forearm cut off

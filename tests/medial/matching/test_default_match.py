@@ -119,7 +119,9 @@ def test_a_part_is_found_in_the_whole(without_arm):
     assert gap.mean() < 0.03
 
 
-@pytest.mark.parametrize("other", [torus, cylinder, planes])
+@pytest.mark.parametrize(
+    "other", [torus, *(pytest.param(each, marks=pytest.mark.slow) for each in (cylinder, planes))]
+)
 def test_unrelated_clouds_have_low_confidence(whole, other):
     unrelated = Diffusion.from_points(*other(600), modes=MODES)
     found = match(figure(), unrelated, SMALL)

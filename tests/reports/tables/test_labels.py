@@ -126,7 +126,15 @@ def test_terminal(label, results):
 
 
 @pytest.mark.usefixtures("plain_figures")
-@pytest.mark.parametrize(("label", "pairs"), [(LABELS[4], 1), (LABELS[6], 0), ("_under", 0), (LINES, 0)])
+@pytest.mark.parametrize(
+    ("label", "pairs"),
+    [
+        (LABELS[4], 1),
+        (LINES, 0),
+        pytest.param(LABELS[6], 0, marks=pytest.mark.slow),
+        pytest.param("_under", 0, marks=pytest.mark.slow),
+    ],
+)
 def test_the_report_and_its_figures(named, label, pairs):
     page = Page(reports.build(named(label, label), pairs=pairs).read_text(encoding="utf-8"))
     words = " ".join(" ".join(page.words).split())

@@ -37,7 +37,14 @@ def test_all_views_make_a_taller_picture(torus, tmp_path):
     assert every[1] - one[1] == pytest.approx(2 * 3.1 * 100, abs=2)  # two more rows of images
 
 
-@pytest.mark.parametrize("more", [{"cameras": 2}, {"footprint": 3, "background": 40.0}, {"min_range": 500.0}])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"cameras": 2},
+        pytest.param({"footprint": 3, "background": 40.0}, marks=pytest.mark.slow),
+        pytest.param({"min_range": 500.0}, marks=pytest.mark.slow),
+    ],
+)
 def test_other_rigs_have_sheets_too(more, torus, tmp_path):
     values = {"views": 1, "resolution": (40, 40), "distance": 110.0, "max_range": 600.0} | more
     write_contact_sheet(torus, tmp_path / "sheet.png", ScannerConfig(**values))
