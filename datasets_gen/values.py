@@ -22,7 +22,7 @@ _WORDS: dict[Any, str] = {
 }
 
 
-def check_count(value: Any, name: str, least: int = 1) -> int:
+def check_count(value: Any, name: str, least: int = 1, most: int | None = None) -> int:
     """The value as an int; NumPy's whole numbers count, 5.0 and True do not.
 
     Parameters
@@ -32,14 +32,18 @@ def check_count(value: Any, name: str, least: int = 1) -> int:
         Of the value, for the message.
     least
         Smallest value that is accepted.
+    most
+        Largest one, if there is one.
 
     Raises
     ------
     InputError
-        If it is no whole number of at least `least`.
+        If it is no whole number of at least `least` and at most `most`.
     """
     if not _fits(value, int) or value < least:
         raise InputError(f"{name} is {value!r}; give a whole number of at least {least}")
+    if most is not None and value > most:
+        raise InputError(f"{name} is {value!r}; give a whole number of at most {most}")
     return int(value)
 
 

@@ -22,6 +22,8 @@ _LEAST = {
     "finalists": 1,
 }
 """Settings that are counts, and their least values."""
+_MOST = 100_000
+"""Of any of them: one that no machine has the memory or the years for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +83,7 @@ class MatchConfig(CheckedSettings):
         if self.departures is not None:
             object.__setattr__(self, "departures", Departures.of(self.departures))
         for name, low in _LEAST.items():
-            check_count(getattr(self, name), f"match setting {name}", low)
+            check_count(getattr(self, name), f"match setting {name}", low, _MOST)
         object.__setattr__(self, "evidence", tuple(self.evidence))
         if not 0 < self.candidates <= 1:
             raise InputError(f"match setting candidates must lie in (0, 1], got {self.candidates!r}")
