@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from datasets_gen.compiled import grown
+
 ORDER = ["datasets_gen", "scanner_sim", "medial", "evaluation", "reports"]
 ROOT = Path(__file__).resolve().parent.parent
 FACE = "medialbench"
@@ -76,6 +78,14 @@ def test_medial_does_not_know_the_scanner():
         if module.startswith("medial.") and any(m.startswith("scanner_sim") for m in imports(module))
     ]
     assert not offenders, "medial works on any oriented cloud"
+
+
+def test_kernels_are_compiled_in_one_way():
+    """Numba's `fastmath` would give other bits with each compilation (docs/reproducibility.md)."""
+    assert [module for module, path in modules().items() if "njit" in path.read_text(encoding="utf-8")] == [
+        "datasets_gen.compiled"
+    ]
+    assert not grown.targetoptions.get("fastmath")
 
 
 def test_no_import_cycles():

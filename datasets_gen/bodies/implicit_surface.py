@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
+
+from datasets_gen.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -179,14 +180,14 @@ class Body:
         return starts, axes, tables, numbers, boxes
 
 
-@njit(cache=True)
+@compiled()
 def smooth_min(a: float, b: float, blend: float) -> float:
     """Polynomial smooth minimum, equal to min(a, b) where they differ by more than `blend` (length)."""
     gap = max(blend - abs(a - b), 0.0) / blend
     return min(a, b) - gap * gap * blend / 4
 
 
-@njit(cache=True)
+@compiled()
 def radial_distance(x: float, y: float, z: float, rx: float, ry: float, rz: float, power: float) -> float:
     """First-order distance (k - 1) / |grad k| to the surface k = 1, with k the p-norm of (x/rx, y/ry, z/rz).
 
@@ -206,7 +207,7 @@ def radial_distance(x: float, y: float, z: float, rx: float, ry: float, rz: floa
     return (k - 1) / slope
 
 
-@njit(cache=True)
+@compiled()
 def _part_distance(p: Array, start: Array, axes: Array, table: Array, numbers: Array) -> float:
     dx, dy, dz = p[0] - start[0], p[1] - start[1], p[2] - start[2]
     side = dx * axes[0, 0] + dy * axes[0, 1] + dz * axes[0, 2]
@@ -227,7 +228,7 @@ def _part_distance(p: Array, start: Array, axes: Array, table: Array, numbers: A
     return radial_distance(side - shift, beyond, forward - lift, width, cap, depth, numbers[3])
 
 
-@njit(cache=True)
+@compiled()
 def _distances(
     points: Array, starts: Array, axes: Array, tables: Array, numbers: Array, boxes: Array
 ) -> Array:
@@ -238,7 +239,7 @@ def _distances(
     return out
 
 
-@njit(cache=True)
+@compiled()
 def _field(
     points: Array, far: float, starts: Array, axes: Array, tables: Array, numbers: Array, boxes: Array
 ) -> Array:

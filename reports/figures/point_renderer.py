@@ -10,9 +10,10 @@ is greyed.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
+
+from datasets_gen.compiled import compiled
 
 SUPERSAMPLE = 2
 """Pixels are drawn this many times finer in each direction, then averaged."""
@@ -180,7 +181,7 @@ def _average(image: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.round(255 * rgba).clip(0, 255).astype(np.uint8)
 
 
-@njit(cache=True)
+@compiled()
 def _splat(
     seen: NDArray[np.float64], facing: NDArray[np.float64], size: float, height: int, width: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -201,7 +202,7 @@ def _splat(
     return depth, winner
 
 
-@njit(cache=True)
+@compiled()
 def _edges(depth: NDArray[np.float64], size: float) -> NDArray[np.float64]:
     """Darkening where the surface falls behind its surroundings (eye-dome lighting [Boucheny 2009])."""
     height, width = depth.shape

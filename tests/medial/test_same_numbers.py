@@ -64,6 +64,7 @@ for array in (figure().areas, figure().radii, found.source_to_target, found.conf
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_processor_without_wide_vectors_changes_no_bit_of_a_map(tmp_path):
     """Nor does the order in which kernels are compiled: these are compiled anew, ours were loaded."""
     root = Path(__file__).parents[2]

@@ -33,6 +33,7 @@ def scanned(human):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_opposed_scans_map_landmarks_onto_landmarks(tmp_path):
     made = make(1)
     table = looked_at(1, made, tmp_path)
@@ -165,6 +166,7 @@ def test_the_change_of_the_signature_is_a_mean_of_logarithms():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_matches_of_quadrupeds_have_an_inset_of_the_signature(tmp_path):
     table = looked_at(9, make(9), tmp_path)
     assert table["signature"].notna().all()

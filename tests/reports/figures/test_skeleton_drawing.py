@@ -43,6 +43,7 @@ def test_points_go_to_their_places():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_figure_of_the_paper():
     made = skeleton_comparison(FigureRequest(10, points=600, thresholds=(0.3,), tell=lambda words: None))
     assert {"medial diffusion source", "curve skeletons"} <= set(made.table["panel"])
