@@ -6,7 +6,7 @@
   const { make, rows, data, shown } = Page, element = (id) => document.getElementById(id);
   const DEFAULT = ["geodesic_mean", "matched", "excess_mean", "geodesic_median", "pck_auc", "flip_rate", "seconds_match"];
   const measures = data.measures.filter((m) => rows.some((row) => row[m.name] !== null && row[m.name] !== undefined));
-  const chosen = new Set(measures.map((m) => m.name).filter((name) => DEFAULT.includes(name)));
+  const chosen = new Set(measures.map((m) => m.name).filter((name) => DEFAULT.includes(name) || data.partial.includes(name)));
   const state = { by: "geodesic_mean", down: false };
   const filters = { dataset: element("board-dataset"), regime: element("board-regime"), seed: element("board-seed") };
   const names = { dataset: "all data sets", regime: "all regimes", seed: "all seeds" };
@@ -102,7 +102,9 @@
     const decided = heads.some((c) => list.some((m) => isBest(m, c)));
     notes.unshift(`${pairs} ${pairs === 1 ? "pair" : "pairs"} of poses; regimes and seeds are averaged within each. ` +
       (filters.seed.value || hidden.size ? "Bold, what nothing beats beyond noise, is not decided for a part of the seeds or methods."
-        : decided ? "Bold: what nothing beats beyond noise." : "Nothing is bold: no method is beaten beyond noise."));
+        : decided ? "Bold: what nothing beats beyond noise."
+        : pairs < data.fewest ? `Nothing is bold: that takes ${data.fewest} pairs of poses.`
+        : "Nothing is bold: no method is beaten beyond noise."));
     element("board-notes").replaceChildren(...notes.map((note) => make("p", { class: "note", text: note })));
     return { list, heads };
   }

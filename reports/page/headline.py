@@ -9,7 +9,7 @@ import pandas as pd
 from reports.method_order import order_methods
 from reports.tables.columns import interval_text
 from reports.tables.completeness import unranked
-from reports.tables.statistics import nested_mean, paired_tests
+from reports.tables.statistics import FEWEST, nested_mean, paired_tests
 
 LEAST_P = 0.0001
 """p-values below this are not spelled out."""
@@ -73,6 +73,12 @@ def headline(table: pd.DataFrame, beyond: Collection[str] = ()) -> str:
         )
     interval = f"95 % interval {interval_text(test['low'], test['high'])}{_p_text(test['p'])}"
     counts = f"lower on {test['wins']}, tied on {test['ties']} of {pairs}"
+    if test["pairs"] < FEWEST:
+        return (
+            f"{pairs[0].upper()}{pairs[1:]} are too few to rank {first} and {second}: mean geodesic errors "
+            f"{mean[first]} and {mean[second]} (× 100 / √area), difference {test['difference']:.2f} "
+            f"({interval}); the first is {counts}."
+        )
     if not test["low"] > 0:
         return (
             f"No difference beyond noise between {first} and {second}: mean geodesic errors {mean[first]} "

@@ -15,8 +15,8 @@ from reports.figures.style import method_colors
 from reports.method_order import order_methods
 from reports.tables.columns import GROUP, LEADERBOARD
 from reports.tables.completeness import unmatched
-from reports.tables.leaderboard import MEASURES, RATES
-from reports.tables.statistics import unbeaten
+from reports.tables.leaderboard import LITTLE_SHARED, MEASURES, RATES
+from reports.tables.statistics import FEWEST, unbeaten
 
 KEYS = ("dataset", "regime", "source_pose", "target_pose", "seed", "method")
 DIGITS = 5
@@ -58,12 +58,21 @@ def page_json(
             for name in order_methods(maps["method"])
         ],
         "rows": _columns(maps, pictures),
+        "partial": _shown_of_partial(maps),
+        "fewest": FEWEST,
         "unbeaten": list(_unbeaten(maps, {*beyond, *partial})),
         "pck": {"radii": [_short(100 * radius) for radius in CURVE], "curves": list(_curves(store, maps))},
         "stability": _stability(table),
     }
     text = json.dumps(found, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _shown_of_partial(maps: pd.DataFrame) -> list[str]:
+    """Columns that are shown at first because the scans of some regime share little surface."""
+    overlap = pd.to_numeric(maps["overlap"], errors="coerce") if "overlap" in maps else pd.Series(dtype=float)
+    little = len(overlap) and (overlap.groupby([maps[name] for name in GROUP]).mean() < LITTLE_SHARED).any()
+    return ["oracle_mean", "right_limb"] if little else []
 
 
 def pair_key(row: Mapping[str, Any]) -> str:

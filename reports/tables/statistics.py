@@ -17,7 +17,7 @@ NESTED = ["regime", "seed"]
 TIE = 0.05
 """Differences below this, half of the last digit that tables show, are ties."""
 FEWEST = 6
-"""Pairs that differ from which a signed-rank test can reach p < .05."""
+"""Pairs of poses from which a signed-rank test can reach p < .05; fewer decide nothing."""
 COLUMNS = ("first", "second", "pairs", "difference", "low", "high", "wins", "ties", "p")
 
 Float = NDArray[np.float64]
@@ -102,7 +102,8 @@ def unbeaten(maps: pd.DataFrame, measures: dict[str, tuple[str, bool]]) -> dict[
     """Methods of a group that nothing beats beyond noise, by measure; none where they are all alike.
 
     A method is beaten where the 95 % interval of its paired difference to the one with the best mean excludes
-    0; with one pair of poses there is no interval, and none is beaten.
+    0. With fewer than `FEWEST` pairs of poses none is beaten: such an interval says more of how few they are
+    than of the methods.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ def _beaten(gap: "pd.Series[float]", known: dict[tuple[int, ...], _Resamples]) -
         cells = _cells(gap.index[there])
         known[key] = _Resamples(cells["unit"].nunique(), nested_weights(cells), resampled_weights(cells))
     units, weights, drawn = known[key]
-    return bootstrap_interval(float(weights @ values), drawn @ values, units)[0] > 0
+    return units >= FEWEST and bootstrap_interval(float(weights @ values), drawn @ values, units)[0] > 0
 
 
 def _by_method(maps: pd.DataFrame, measure: str) -> pd.DataFrame:

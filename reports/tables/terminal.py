@@ -17,6 +17,7 @@ from reports.tables.columns import (
     filled_columns,
     interval_text,
 )
+from reports.tables.statistics import FEWEST
 
 NARROW = ("method", "missing", "geodesic_mean", "matched", "geodesic_median", "flip_rate", "pck_auc", "eq18")
 """Columns that fit a terminal of 80 characters."""
@@ -65,8 +66,10 @@ def leaderboard_lines(board: pd.DataFrame, width: int) -> Iterator[str]:
     heads = [f"{row['dataset']}, {row['regime']}" for _, row in board.iterrows()]
     notes = board[NOTE] if NOTE in board else pd.Series(None, board.index, dtype=object)
     marked = [f"{name} {MARK}" if note else name for name, note in zip(board["method"], notes, strict=True)]
-    yield from _lines(board.assign(method=marked), columns, heads, best_cells(board, columns, GROUP))
-    yield "[dim]errors × 100 / √area of the rest pose; bold: not beaten beyond noise[/]"
+    best = best_cells(board, columns, GROUP)
+    yield from _lines(board.assign(method=marked), columns, heads, best)
+    bold = "bold: not beaten beyond noise" if best else f"bold takes {FEWEST} pairs of poses"
+    yield f"[dim]errors × 100 / √area of the rest pose; {bold}[/]"
     for head, name, note in zip(heads, board["method"], notes, strict=True):
         if note:
             yield f"[dim]{MARK} not ranked: {escape(printable(f'{head}, {name}: {note}'))}[/]"
