@@ -12,6 +12,7 @@ from typing import Any
 from datasets_gen.extras import pip_install
 from datasets_gen.fingerprints import code_fingerprint
 from datasets_gen.records import InputError
+from datasets_gen.values import did_you_mean
 from evaluation.experiment.toml_tables import reject_unknown
 from evaluation.methods.base import Method
 from evaluation.results.outcome import one_line
@@ -50,6 +51,10 @@ def find(name: str) -> type[Method]:
     home, _, attribute = reference.rpartition(":")
     module = _module(home)
     cls = getattr(module, attribute, None)
+    if cls is None:
+        own = [n for n, each in vars(module).items() if getattr(each, "__module__", "") == module.__name__]
+        said = did_you_mean(attribute, own)
+        raise InputError(f"{name!r} is no method: {home!r} has no {attribute!r}{said}")
     if not (isinstance(cls, type) and issubclass(cls, Method)):
         raise InputError(
             f"{name!r} is no method: {attribute!r} in {home!r} does not derive from evaluation.methods.Method"

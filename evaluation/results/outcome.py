@@ -5,7 +5,9 @@ from dataclasses import dataclass, field
 from evaluation.experiment.tasks import Task
 
 LONGEST_REASON = 500
-"""Characters of a reason; the detail has all of it."""
+"""Characters of a reason; the detail has more of it."""
+LONGEST_DETAIL = 100_000
+"""Characters of a detail, half of them from its start and half from its end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,7 @@ class Outcome:
     seconds : float
         Of computing and storing.
     detail : str
-        Traceback, if any.
+        Traceback, if any; of at most about `LONGEST_DETAIL` characters.
     """
 
     task: Task
@@ -36,8 +38,12 @@ class Outcome:
     detail: str = field(default="", repr=False)
 
     def __post_init__(self) -> None:
-        """Make the reason one line that every file and terminal takes."""
+        """Make the reason one line that every file and terminal takes, and cut the detail."""
         object.__setattr__(self, "reason", printable(self.reason))
+        if len(self.detail) > LONGEST_DETAIL:
+            half = LONGEST_DETAIL // 2
+            cut = f"\n... {len(self.detail) - 2 * half:,} characters left out ...\n"
+            object.__setattr__(self, "detail", self.detail[:half] + cut + self.detail[-half:])
 
 
 def printable(text: str) -> str:
@@ -50,7 +56,7 @@ def one_line(error: BaseException) -> str:
     """Type and message of any exception, in one line."""
     try:
         said = str(error)
-    except Exception:
+    except BaseException:  # a method's own exception may even ask the interpreter to exit
         said = "(it cannot say why)"
     if isinstance(error, MemoryError):
         said = said or "out of memory; use fewer points or fewer workers"

@@ -82,7 +82,7 @@ class ResultsStore(ResultFiles):
     def run_info(self) -> dict[str, Any]:
         """Versions, machine, wall time and counts of the last run; empty before the first."""
         info = self.last_run()
-        if not info and (self.folder / "run.json").is_file():
+        if not info and (self.folder / "run.json").exists():
             raise self.damaged("run.json")
         return info
 

@@ -61,7 +61,8 @@ class Attempt:
             self.clear()
             return (
                 "timeout",
-                f"no result after {self._limit:g} s; raise 'timeout' or look at the detail",
+                f"no result after {self._limit:g} s; raise 'timeout' (a first run also compiles, for about a "
+                "minute) or look at the detail",
                 dump,
             )
         if self._count >= ATTEMPTS:

@@ -38,6 +38,7 @@ def execute(
     limit: float,
     progress: ProgressCallbacks,
     runner: Runner = run_task,
+    failures: list[Outcome] | None = None,
 ) -> list[Outcome]:
     """Run tasks; returns the outcomes of those that have no result.
 
@@ -58,9 +59,11 @@ def execute(
         Told of every task that ends.
     runner
         What a worker calls; `run_task` but for tests.
+    failures
+        What is returned, filled as tasks fail: it is there even if the run is interrupted.
     """
     queue = TaskQueue(tasks, stored)
-    failures: list[Outcome] = []
+    failures = [] if failures is None else failures
     flying: dict[Any, tuple[Task, bool]] = {}
     suspects: deque[Task] = deque()  # their worker ended: to be tried when nothing else runs
     done: SimpleQueue[Any] = SimpleQueue()

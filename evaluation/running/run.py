@@ -156,7 +156,7 @@ class _Run:
             return
         cluster = self._connected()
         self.progress.begin(by_stage(waiting), len(stored), cluster.workers, cluster.dashboard)
-        self.failures += execute(
+        execute(
             cluster,
             self.store.folder,
             waiting,
@@ -164,6 +164,7 @@ class _Run:
             run=self.name,
             limit=self.experiment.timeout,
             progress=self.progress,
+            failures=self.failures,
         )
         self.store.remove_leftovers()
         self.ran = len(waiting) - sum(outcome.kind == "blocked" for outcome in self.failures)

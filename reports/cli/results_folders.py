@@ -23,7 +23,7 @@ def open_results(folder: Path, command: str) -> "ResultsStore":
     Failure
         If the folder holds no results but folders that do.
     InputError
-        If they are of another format.
+        If they are of another format, or the note of their run is damaged.
     """
     from evaluation.results.store import ResultsStore
 
@@ -34,7 +34,9 @@ def open_results(folder: Path, command: str) -> "ResultsStore":
             raise Failure(
                 f"{str(folder)!r} holds results folders: {names}; give one: medialbench {command} {inside[0]}"
             )
-    return ResultsStore(folder)
+    store = ResultsStore(folder)
+    store.run_info()  # refuses a damaged one
+    return store
 
 
 def _has_results(folder: Path) -> bool:

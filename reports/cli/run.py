@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--seeds",
-    type=click.IntRange(min=1),
+    type=click.IntRange(min=1, max=10_000),
     metavar="N",
     help="Use the seeds 0 to N - 1 instead of the experiment's.",
 )
@@ -152,5 +152,6 @@ def _finish(store: "ResultsStore", with_report: bool, quiet: bool, jobs: int | N
         first = failed.iloc[0]
         where = str(store.folder / "failures.csv")
         raise Failure(
-            f"{len(failed)} tasks have no result, listed in {where}; {first['label']}: {first['reason']}"
+            f"{len(failed)} tasks have no result, listed in {where}, tracebacks are in 'failures' beside it; "
+            f"{first['label']}: {first['reason']}"
         )

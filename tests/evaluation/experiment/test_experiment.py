@@ -131,6 +131,8 @@ def test_presets_name_methods_and_scanners_that_exist(name, tmp_path):
         ({"matching": {"regime": [{"name": "a"}, {"name": "a"}]}}, "regimes' names has 'a' 2 times"),
         ({"matching": {"regime": [{"name": " "}]}}, "a regime needs a name"),
         ({"method": [{"name": "heat", "label": ""}]}, "a method's label is empty"),
+        ({"method": [{"name": "heat", "label": "a\0"}]}, r"holds '\\x00'; leave it out"),
+        ({"method": [{"name": "heat", "label": "a\u202eb"}]}, "holds '.*202e'; leave it out"),
         ({"method": [{"name": "heat", "options": 3}]}, "options must be a table, got 3"),
         ({"timeout": float("nan")}, "timeout must be a finite number"),
         ({"scan": {"scanner": {"views": 3}}}, "views"),

@@ -179,5 +179,7 @@ def test_unknown_names():
         find("nowhere.py:Method")
     with pytest.raises(InputError, match="cannot import"):
         find("no_such_module:Method")
+    with pytest.raises(InputError, match="has no 'Rigidd'; did you mean 'Rigid"):
+        find("evaluation.methods.rigid:Rigidd")
     with pytest.raises(InputError, match="does not derive"):
         find("numpy:ndarray")

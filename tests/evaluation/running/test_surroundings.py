@@ -1,7 +1,9 @@
 """What a method changes of its process is put back."""
 
+import json  # noqa: F401 - taken out of sys.modules below
 import os
 import random
+import resource
 import sys
 import warnings
 
@@ -22,6 +24,9 @@ def state():
         "environment": dict(os.environ),
         "depth": sys.getrecursionlimit(),
         "random": random.getstate(),
+        "path": list(sys.path),
+        "modules": sys.modules.get("json"),
+        "files": resource.getrlimit(resource.RLIMIT_NOFILE),
         "numpy": str(np.random.get_state()),  # noqa: NPY002
     }
 
@@ -38,12 +43,41 @@ def test_all_of_it_is_put_back(tmp_path, fails):
         os.environ["MEDIALBENCH_TEST"] = "x"
         del os.environ["PATH"]
         sys.setrecursionlimit(before["depth"] + 7)
+        sys.path.clear()
+        del sys.modules["json"]
+        resource.setrlimit(resource.RLIMIT_NOFILE, (100, before["files"][1]))
         changed.update(state())
         if fails:
             raise RuntimeError
     after = state()
     assert all(changed[name] != value for name, value in before.items())
     assert after == before
+
+
+def test_a_process_whose_limits_cannot_be_put_back_is_ended(monkeypatch):
+    """Only root raises a hard limit; the tasks after it would fail for what the method did."""
+
+    class Ended(Exception):
+        pass
+
+    def end(code):
+        raise Ended(code)
+
+    def refused(number, limit):
+        raise ValueError("not allowed to raise maximum limit")
+
+    def lower():
+        put(resource.RLIMIT_NOFILE, (soft // 2, hard))
+        monkeypatch.setattr(resource, "setrlimit", refused)
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    put = resource.setrlimit
+    monkeypatch.setattr(os, "_exit", end)
+    try:
+        with pytest.raises(Ended, match="1"), kept_surroundings(0):
+            lower()
+    finally:
+        put(resource.RLIMIT_NOFILE, (soft, hard))
 
 
 def test_global_random_numbers_follow_the_seed():

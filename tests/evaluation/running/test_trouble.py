@@ -135,6 +135,24 @@ def task(name, **inputs):
     return execute.Task(name, "scan", {}, inputs, name)
 
 
+def test_failures_are_there_though_the_run_ends_early():
+    """A run whose workers are all gone wrote an empty list of failures."""
+
+    def runner(folder, task, run, limit, alone):
+        if task.key == "b":
+            raise execute.CancelledError
+        return execute.Outcome(task, False, "it fails", "error")
+
+    client, failures = Client(), []
+    cluster = execute.Cluster(client, 1, "", 1.0)
+    with pytest.raises(execute.InputError, match="the scheduler is gone"):
+        execute.execute(
+            cluster, Path(), [task("a"), task("b")], (), run="r", limit=1, progress=Silent(),
+            runner=runner, failures=failures,
+        )  # fmt: skip
+    assert [(each.task.key, each.reason) for each in failures] == [("a", "it fails")]
+
+
 def test_suspects_are_tried_last_and_alone_and_what_needs_them_follows():
     def runner(folder, task, run, limit, alone):
         kind = "again" if task.key in "ac" and not alone else ""

@@ -1,5 +1,7 @@
 """The commands that read a results folder."""
 
+import shutil
+
 import pytest
 from click.testing import CliRunner
 
@@ -96,6 +98,22 @@ def test_results_of_another_format_are_refused(tmp_path):
     assert result.exit_code == 1
     assert "99" in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("damage", ["text", "folder"])
+def test_a_damaged_note_of_the_run_is_said(results, tmp_path, damage):
+    """The leaderboard came without a word."""
+    folder = tmp_path / "copy"
+    shutil.copytree(results, folder)
+    note = folder / "run.json"
+    if damage == "folder":
+        note.unlink()
+        note.mkdir()
+    else:
+        note.write_text(note.read_text()[:-20])
+    result = run("compare", folder)
+    assert result.exit_code == 1
+    assert "run.json' is damaged" in result.stderr
 
 
 def test_data_sets_and_seeds_replace_those_of_a_preset():
