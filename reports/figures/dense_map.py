@@ -72,7 +72,7 @@ def dense_map(
             ids = landmarks[:, side]
             mark_landmarks(axes, cloud.points[ids], cloud.normals[ids], camera)
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, 1), CONFIDENCE)
-    bar = figure.colorbar(scale, ax=grid[0, 2], shrink=0.7, aspect=24, pad=0.02)
+    bar = figure.colorbar(scale, ax=grid[0, 2], shrink=0.7, aspect=24, pad=0.02, panchor=False)
     bar.outline.set_visible(False)
     add_key(figure)
     return figure
