@@ -1,7 +1,5 @@
 """One map without ground truth: colours that travel from a cloud to another, landmarks, confidence."""
 
-from dataclasses import replace
-
 import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
@@ -17,7 +15,7 @@ from reports.figures.cloud_drawing import (
     position_colors,
 )
 from reports.figures.cloud_sheet import add_key
-from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
+from reports.figures.pair_cameras import pair_cameras
 from reports.figures.style import CLOUD_INCHES, blank, new_figure, styled
 
 CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#fff3bf", "#7fcdbb", "#2c7fb8", "#081d58"])
@@ -34,7 +32,7 @@ def dense_map(
     height: int = 480,
     up: int = 1,
 ) -> Figure:
-    """Source, target with the colours that arrive, and the confidence on the source.
+    """Source, target with the colours that arrive, and the confidence on the source; see `pair_cameras`.
 
     Parameters
     ----------
@@ -53,16 +51,14 @@ def dense_map(
     low, high = np.quantile(source.points, [0.01, 0.99], axis=0)
     colors = position_colors(source.points, low, high)
     arrived = carried_colors(source_to_target, colors, target.points)
-    rotation = look_from(best_azimuth(source.points, up), up=up)
-    cameras = fitted_cameras([source.points, target.points], rotation, height)
-    width = max(camera.width for camera in cameras)
-    here, there = (replace(camera, width=width) for camera in cameras)
-    wide = 3 * max(CLOUD_INCHES * width / height, 1.8) + 0.6
+    cameras = pair_cameras(source, target, up, height)
+    here, there = cameras.source, cameras.target
+    wide = 3 * max(CLOUD_INCHES * here.width / height, 1.8) + 0.6
     figure, grid = new_figure(1, 3, wide, CLOUD_INCHES + 0.85)
     sure = CONFIDENCE(confidence)[:, :3]
     for axes, cloud, shown, camera, title, side in (
         (grid[0, 0], source, colors, here, "source", 0),
-        (grid[0, 1], target, arrived, there, "target", 1),
+        (grid[0, 1], target, arrived, there, f"target{cameras.words}", 1),
         (grid[0, 2], source, sure, here, "confidence", None),
     ):
         blank(axes)
