@@ -138,6 +138,7 @@ const MedialView = (() => {
       this.state = { behind: true, color: "", chosen: null, landmarks: true, centers: false, frame: 0, threshold: null, scale: "fixed",
         size: 1, maps: scene.maps.map((_, k) => k) };
       this.state.color = this.colorings()[0].name;
+      this.state.marked = scene.maps.findIndex((m) => m.landmarks && m.landmarks.length);
       if (scene.filter) this.state.threshold = scene.filter.low;
       this.build();
       this.restore();
@@ -208,7 +209,7 @@ const MedialView = (() => {
         return input;
       };
       this.boxes = {};
-      if (this.scene.maps.some((m) => m.landmarks && m.landmarks.length)) this.boxes.landmarks = box("landmarks", "landmarks");
+      if (this.scene.maps.some((m) => m.landmarks && m.landmarks.length)) this.boxes.landmarks = this.whose(box("landmarks", "landmarks"));
       if (this.scene.clouds.some((c) => c.centers)) this.boxes.centers = box("centers", "medial centres");
       if (this.scene.clouds.some((c) => c.behind)) {
         this.boxes.behind = box("behind", "target from behind");
@@ -245,6 +246,18 @@ const MedialView = (() => {
         if (this.options.failed) this.options.failed();
       });
       this.paint = drawing(this.regl);
+    }
+
+    /* Whose landmarks are shown: one map's at a time, as the landmarks of two maps are other points of one source. */
+    whose(box) {
+      const maps = this.scene.maps.map((map, k) => [map, k]).filter(([map]) => map.landmarks && map.landmarks.length);
+      if (maps.length < 2) return box;
+      const select = this.make("select", { className: "mv-whose", title: "Whose landmarks are shown" },
+        ...maps.map(([map, k]) => this.make("option", { value: k, text: map.label })));
+      select.onchange = () => { this.state.marked = Number(select.value); box.checked = this.state.landmarks = true; this.changed(); };
+      box.parentNode.append(" of ");
+      box.parentNode.after(select);
+      return box;
     }
 
     /* Panels: the source, then one per map. A scan alone has one. */
@@ -503,16 +516,18 @@ const MedialView = (() => {
       if (filled) { g.fillStyle = colour; g.fill(); }
     }
 
+    /* Landmarks in a panel: points of its cloud and their colours, equal ones in two panels for one landmark. */
+    marks(panel) {
+      const map = this.scene.maps[this.state.marked];
+      if (!map || !map.landmarks || panel.map !== null && panel.map !== this.state.marked) return [];
+      const side = panel.map === null || panel.cloud === 0 && map.target !== 0 ? 0 : 1, count = map.landmarks.length / 2;
+      return Array.from({ length: count }, (_, k) => [map.landmarks[2 * k + side], `hsl(${Math.round(360 * k / count)} 75% 45%)`]);
+    }
+
     landmarks(g, panels) {
-      panels.forEach((panel) => {
-        const map = this.scene.maps[panel.map === null ? this.state.maps[0] : panel.map];
-        if (!map || !map.landmarks) return;
-        const side = panel.map === null || panel.cloud === 0 && map.target !== 0 ? 0 : 1;
-        for (let k = 0; k < map.landmarks.length / 2; k++) {
-          const hue = `hsl(${Math.round(360 * k / Math.max(1, map.landmarks.length / 2))} 75% 45%)`;
-          this.ring(g, this.screen(panel, this.point(panel.cloud, map.landmarks[2 * k + side])), 3.5, hue, true);
-        }
-      });
+      for (const panel of panels) {
+        for (const [i, hue] of this.marks(panel)) this.ring(g, this.screen(panel, this.point(panel.cloud, i)), 3.5, hue, true);
+      }
     }
 
     /* The chosen source point, its match and its true place in every panel, joined by lines. */
