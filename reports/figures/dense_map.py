@@ -21,6 +21,9 @@ from reports.figures.style import CLOUD_INCHES, blank, new_figure, styled
 CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#fff3bf", "#7fcdbb", "#2c7fb8", "#081d58"])
 """Yellow where a map is not sure of itself, dark blue where it is: neither looks like a gap."""
 
+HEADING_HEIGHT = 0.25
+"""Inches that a heading takes."""
+
 
 @styled
 def dense_map(
@@ -31,6 +34,7 @@ def dense_map(
     landmarks: NDArray[np.integer],
     height: int = 480,
     up: int = 1,
+    heading: str = "",
 ) -> Figure:
     """Source, target with the colours that arrive, and the confidence on the source; see `pair_cameras`.
 
@@ -47,6 +51,8 @@ def dense_map(
         Pixels of the taller cloud.
     up
         Axis that points upwards.
+    heading
+        Of the whole picture, at its top; none where it is empty.
     """
     low, high = np.quantile(source.points, [0.01, 0.99], axis=0)
     colors = position_colors(source.points, low, high)
@@ -54,7 +60,9 @@ def dense_map(
     cameras = pair_cameras(source, target, up, height)
     here, there = cameras.source, cameras.target
     wide = 3 * max(CLOUD_INCHES * here.width / height, 1.8) + 0.6
-    figure, grid = new_figure(1, 3, wide, CLOUD_INCHES + 0.85)
+    figure, grid = new_figure(1, 3, wide, CLOUD_INCHES + 0.85 + (HEADING_HEIGHT if heading else 0.0))
+    if heading:
+        figure.suptitle(heading, x=0.01, ha="left", fontsize=9.5)
     sure = CONFIDENCE(confidence)[:, :3]
     for axes, cloud, shown, camera, title, side in (
         (grid[0, 0], source, colors, here, "source", 0),

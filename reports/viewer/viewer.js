@@ -268,7 +268,7 @@ const MedialView = (() => {
         const onSource = ["error", "confidence"].includes(this.state.color);
         const cloud = onSource ? 0 : map.target;
         list.push({ cloud, map: k, title: `${map.label}${this.turned(cloud) ? ", from behind" : ""}`,
-          note: onSource ? `${map.note || ""}` : this.scene.clouds[map.target].caption || map.note || "" });
+          note: [map.note, onSource ? "" : this.scene.clouds[map.target].caption].filter(Boolean).join(", ") });
       }
       return list;
     }

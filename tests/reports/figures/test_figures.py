@@ -160,6 +160,19 @@ def test_no_text_of_a_map_is_cut_off(wide):
     assert beyond_the_edge(figure) == []
 
 
+def test_a_map_can_have_a_heading_with_room_of_its_own():
+    points, normals = cloud()
+    side, image = DrawnCloud(points, normals, "a.npz"), np.arange(len(points))
+    figure = dense_map(
+        side, side, image, np.ones(len(points)), np.array([[1, 1]]), height=60, heading="alternative 2"
+    )
+    assert beyond_the_edge(figure) == []
+    heading, titles = figure._suptitle, [axes._left_title for axes in figure.axes[:3]]
+    assert heading.get_text() == "alternative 2"
+    assert heading.get_window_extent().y1 <= figure.bbox.height
+    assert heading.get_window_extent().y0 > max(title.get_window_extent().y1 for title in titles)
+
+
 def test_scans_have_a_row_per_pose():
     view = ScanView(*cloud(), title="τ = 0.3", note="15 % missing")
     figure = scan_series([("rest", [view, view]), ("bent", [view, view])], height=60)

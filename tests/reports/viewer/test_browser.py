@@ -107,6 +107,27 @@ def test_landmarks_of_one_map_are_shown_at_a_time(scene, tmp_path):
     assert 'data-said="[[1,3],[2,4],[]] [[5,7,9],[],[6,8,10]]"' in dom
 
 
+def test_panels_say_what_is_known_of_a_map_and_from_where_its_target_is_seen(scene, tmp_path):
+    behind = RNG.normal(size=(300, 3)) * [1, 1, 0.1]
+    target = ViewCloud("target", behind, np.tile([0.0, 0.0, -1.0], (300, 1)), caption="300 points")
+    maps = [replace(each, note=f"probability 0.{k}") for k, each in enumerate(scene.maps, start=4)]
+    page = tmp_path / "view.html"
+    write_view(replace(scene, clouds=(scene.clouds[0], target), maps=tuple(maps)), page)
+    script = """<script>
+      const wait = setInterval(() => {
+        if (!window.view) return;
+        clearInterval(wait);
+        const words = view.panels().slice(1).map((each) => `${each.title}: ${each.note}`);
+        document.body.dataset.said = words.join("; ");
+      }, 20);
+    </script>"""
+    page.write_text(page.read_text().replace("</body>", f"{script}</body>"))
+    dom, complaints = opened(page, tmp_path)
+    assert complaints == ""
+    first, second = (f"{name}, from behind: probability 0." for name in ("first", "second"))
+    assert f'data-said="{first}4, 300 points; {second}5, 300 points"' in dom
+
+
 @pytest.mark.parametrize(
     "address", ["#point=99999&q=a,b&zoom=-3&colour=nothing&tau=x", "#point=&frame=", "#%%%"]
 )
