@@ -52,7 +52,7 @@ def write_alternatives(
         check_map_outputs(path, drawn, None, inputs)
         write_map(path, clouds, names, each, about | {"alternative_to": out.name})
         if drawn is not None:
-            draw_map(drawn, clouds, names, each)
+            draw_map(drawn, clouds, names, each, f"alternative {number}")
         written.append(path)
     return written
 

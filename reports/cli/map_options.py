@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -157,10 +158,19 @@ def show_map(
     write_view(view_of_map((clouds[0].scan, clouds[1].scan), names, found, operators), view)
 
 
+def probability_words(found: "Matching") -> str:
+    """How probable it is that a map is the right one; empty where that is unknown."""
+    return f"probability {found.probability:.2f}" if isfinite(found.probability) else ""
+
+
 def draw_map(
-    picture: Path, clouds: tuple["ThinnedCloud", "ThinnedCloud"], names: tuple[str, str], found: "Matching"
+    picture: Path,
+    clouds: tuple["ThinnedCloud", "ThinnedCloud"],
+    names: tuple[str, str],
+    found: "Matching",
+    name: str = "map",
 ) -> None:
-    """Draw the map between the matched points into a file."""
+    """Draw the map between the matched points into a file; one of several says its name and probability."""
     from reports.figures.cloud_drawing import DrawnCloud
     from reports.figures.dense_map import dense_map
     from reports.figures.style import save
@@ -169,7 +179,11 @@ def draw_map(
         DrawnCloud(c.scan.points, c.scan.normals, name) for c, name in zip(clouds, names, strict=True)
     )
     up = "xyz".index(clouds[0].scan.config.up)
-    figure = dense_map(here, there, found.source_to_target, found.confidence, found.landmarks, up=up)
+    several = found.alternatives or name != "map"
+    heading = ", ".join(filter(None, [name, probability_words(found)])) if several else ""
+    figure = dense_map(
+        here, there, found.source_to_target, found.confidence, found.landmarks, up=up, heading=heading
+    )
     save(figure, picture.parent, picture.stem, formats=(picture.suffix.lower(),))
 
 

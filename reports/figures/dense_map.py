@@ -1,7 +1,5 @@
 """One map without ground truth: colours that travel from a cloud to another, landmarks, confidence."""
 
-from dataclasses import replace
-
 import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
@@ -17,11 +15,14 @@ from reports.figures.cloud_drawing import (
     position_colors,
 )
 from reports.figures.cloud_sheet import add_key
-from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
+from reports.figures.pair_cameras import pair_cameras
 from reports.figures.style import CLOUD_INCHES, blank, new_figure, styled
 
 CONFIDENCE = LinearSegmentedColormap.from_list("confidence", ["#fff3bf", "#7fcdbb", "#2c7fb8", "#081d58"])
 """Yellow where a map is not sure of itself, dark blue where it is: neither looks like a gap."""
+
+HEADING_HEIGHT = 0.25
+"""Inches that a heading takes."""
 
 
 @styled
@@ -33,8 +34,9 @@ def dense_map(
     landmarks: NDArray[np.integer],
     height: int = 480,
     up: int = 1,
+    heading: str = "",
 ) -> Figure:
-    """Source, target with the colours that arrive, and the confidence on the source.
+    """Source, target with the colours that arrive, and the confidence on the source; see `pair_cameras`.
 
     Parameters
     ----------
@@ -49,20 +51,22 @@ def dense_map(
         Pixels of the taller cloud.
     up
         Axis that points upwards.
+    heading
+        Of the whole picture, at its top; none where it is empty.
     """
     low, high = np.quantile(source.points, [0.01, 0.99], axis=0)
     colors = position_colors(source.points, low, high)
     arrived = carried_colors(source_to_target, colors, target.points)
-    rotation = look_from(best_azimuth(source.points, up), up=up)
-    cameras = fitted_cameras([source.points, target.points], rotation, height)
-    width = max(camera.width for camera in cameras)
-    here, there = (replace(camera, width=width) for camera in cameras)
-    wide = 3 * max(CLOUD_INCHES * width / height, 1.8) + 0.6
-    figure, grid = new_figure(1, 3, wide, CLOUD_INCHES + 0.85)
+    cameras = pair_cameras(source, target, up, height)
+    here, there = cameras.source, cameras.target
+    wide = 3 * max(CLOUD_INCHES * here.width / height, 1.8) + 0.6
+    figure, grid = new_figure(1, 3, wide, CLOUD_INCHES + 0.85 + (HEADING_HEIGHT if heading else 0.0))
+    if heading:
+        figure.suptitle(heading, x=0.01, ha="left", fontsize=9.5)
     sure = CONFIDENCE(confidence)[:, :3]
     for axes, cloud, shown, camera, title, side in (
         (grid[0, 0], source, colors, here, "source", 0),
-        (grid[0, 1], target, arrived, there, "target", 1),
+        (grid[0, 1], target, arrived, there, f"target{cameras.words}", 1),
         (grid[0, 2], source, sure, here, "confidence", None),
     ):
         blank(axes)
@@ -72,7 +76,7 @@ def dense_map(
             ids = landmarks[:, side]
             mark_landmarks(axes, cloud.points[ids], cloud.normals[ids], camera)
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, 1), CONFIDENCE)
-    bar = figure.colorbar(scale, ax=grid[0, 2], shrink=0.7, aspect=24, pad=0.02)
+    bar = figure.colorbar(scale, ax=grid[0, 2], shrink=0.7, aspect=24, pad=0.02, panchor=False)
     bar.outline.set_visible(False)
     add_key(figure)
     return figure

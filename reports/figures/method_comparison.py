@@ -1,6 +1,7 @@
 """Fig. 8 of the paper: a dense correspondence as colours, methods side by side."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -19,7 +20,8 @@ from reports.figures.cloud_drawing import (
     place_cloud,
 )
 from reports.figures.cloud_sheet import add_key
-from reports.figures.point_renderer import Camera, best_azimuth, fitted_cameras, look_from
+from reports.figures.pair_cameras import pair_cameras
+from reports.figures.point_renderer import Camera
 from reports.figures.style import CLOUD_INCHES, HEADROOM, blank, new_figure, styled
 
 KEY_ROOM = 0.35
@@ -84,14 +86,12 @@ def method_comparison(pair: PairPicture, height: int = 420) -> Figure:
     height
         Pixels of one cloud.
     """
-    rotation = look_from(best_azimuth(pair.source.points, pair.up), up=pair.up)
-    cameras = fitted_cameras([pair.source.points, pair.target.points], rotation, height)
-    width = max(camera.width for camera in cameras)
-    source_camera, target_camera = (replace(camera, width=width) for camera in cameras)
+    cameras = pair_cameras(pair.source, pair.target, pair.up, height)
+    source_camera, target_camera = cameras.source, cameras.target
     blocks = [pair.panels[i : i + PER_ROW] for i in range(0, len(pair.panels), PER_ROW)] or [()]
     columns = 1 + max(len(block) for block in blocks)
     tall = CLOUD_INCHES
-    wide = max(tall * width / height, 1.5)
+    wide = max(tall * source_camera.width / height, 1.5)
     figure, grid = new_figure(
         2 * len(blocks), columns, wide * columns + 0.6, 2 * (tall + 0.3) * len(blocks) + KEY_ROOM, HEADROOM
     )
@@ -101,7 +101,7 @@ def method_comparison(pair: PairPicture, height: int = 420) -> Figure:
     place_cloud(grid[0, 0], source.points, source.normals, pair.source_colors, source_camera)
     caption(grid[0, 0], "source", source.caption)
     place_cloud(grid[1, 0], target.points, target.normals, pair.truth_colors, target_camera)
-    caption(grid[1, 0], "target, truth", target.caption)
+    caption(grid[1, 0], f"target, truth{cameras.words}", target.caption)
     for b, block in enumerate(blocks):
         for axes, panel in zip(grid[2 * b : 2 * b + 2, 1:].T, block, strict=False):
             _panel(axes[0], axes[1], pair, panel, source_camera, target_camera)
@@ -125,7 +125,8 @@ def _panel(
 
 def _colorbar(figure: Figure, grid: np.ndarray) -> None:
     scale = mpl.cm.ScalarMappable(ERROR_NORM, ERROR_COLORS)
-    bar = figure.colorbar(scale, ax=grid[1].tolist(), shrink=0.7, aspect=28, pad=0.01, extend="max")
+    place: Any = {"shrink": 0.7, "aspect": 28, "pad": 0.01, "panchor": False}
+    bar = figure.colorbar(scale, ax=grid[1].tolist(), extend="max", **place)
     bar.set_ticks(list(ERROR_TICKS), labels=[f"{tick:g}" for tick in ERROR_TICKS])
     bar.minorticks_off()
     bar.set_label("geodesic error × 100 / √area")

@@ -21,6 +21,9 @@ SUPERSAMPLE = 2
 INSIDE = np.array([0.47, 0.45, 0.44])
 """Colour of what is seen through a hole: the inner side of the surface."""
 
+BEHIND = 2 / 3
+"""Share of the normals that face away, from which a cloud is seen from behind: half of a closed surface."""
+
 _KEY_LIGHT = np.array([-0.35, 0.55, 0.76])  # right, up, towards the viewer
 _AROUND = np.array([(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)])
 
@@ -89,6 +92,18 @@ def best_azimuth(points: ArrayLike, up: int = 1, steps: int = 24) -> float:
     return float(azimuths[int(np.argmax(np.round(widths, 6)))]) - 25.0
 
 
+def seen_from_behind(normals: NDArray[np.float64], towards: NDArray[np.float64]) -> bool:
+    """Whether most of a cloud shows its inner side to a viewer, as a scan from the other side does.
+
+    Parameters
+    ----------
+    normals : (n, 3)
+    towards : (3,)
+        Direction towards the viewer.
+    """
+    return bool(len(normals)) and float((normals @ towards < 0).mean()) > BEHIND
+
+
 def fitted_cameras(
     clouds: list[NDArray[np.float64]],
     rotation: NDArray[np.float64],
@@ -102,20 +117,21 @@ def fitted_cameras(
     clouds
         Each (n, 3); every one gets its own camera, as wide as it needs.
     rotation
-        Shared, see `Camera.rotation`.
+        Shared, or one for each cloud (k, 3, 3), see `Camera.rotation`.
     height
         Pixels; fits the tallest cloud.
     margin
         Part of the height left free on each side.
     """
-    seen = [cloud @ rotation.T for cloud in clouds]
+    rotations = np.broadcast_to(rotation, (len(clouds), 3, 3))
+    seen = [cloud @ each.T for cloud, each in zip(clouds, rotations, strict=True)]
     low, high = ([f(s[:, :2], axis=0) for s in seen] for f in (np.min, np.max))
     tallest = max(float(h[1] - b[1]) for b, h in zip(low, high, strict=True)) or 1.0
     scale = height * (1 - 2 * margin) / tallest
     pad = 2 * margin * height
     return [
-        Camera(rotation, (b + h) / 2, scale, max(8, int(np.ceil(scale * (h[0] - b[0]) + pad))), height)
-        for b, h in zip(low, high, strict=True)
+        Camera(each, (b + h) / 2, scale, max(8, int(np.ceil(scale * (h[0] - b[0]) + pad))), height)
+        for each, b, h in zip(rotations, low, high, strict=True)
     ]
 
 

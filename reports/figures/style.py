@@ -191,4 +191,4 @@ def plain_numbers(axis: Axis) -> None:
 def blank(axes: Axes) -> None:
     """Turn an axes into a bare canvas for a picture."""
     axes.set_axis_off()
-    axes.set_aspect("equal")
+    axes.set_aspect("equal", anchor="N")  # the head stays at the edge that the layout keeps room for

@@ -16,9 +16,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from reports.figures.cloud_drawing import colored_from
+from reports.figures.point_renderer import seen_from_behind
 from reports.viewer.scene import Scene, ViewCloud, ViewField, ViewMap
 
 STEPS = 65535
+FRONT = np.array([(0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)])
+"""Direction towards the viewer in the front view, by the axis that points up."""
 REACH = 0.97
 """Distance of the farthest point of all clouds from the middle of its panel, which is two units wide."""
 SAMPLE = 2000
@@ -47,12 +50,17 @@ class _Arrays:
 def packed(scene: Scene) -> str:
     """The text of a scene, as ``MedialView.decode`` of ``viewer.js`` reads it."""
     arrays, scale = _Arrays(), REACH / max([1e-9, *map(_stretch, scene.clouds)])
+    start, turned = _sides(scene)
     filtered = scene.field_of(scene.threshold_on) if scene.threshold_on else None
     head = {
         "title": scene.title,
         "up": scene.up,
+        "start": start,
         "errorTop": scene.error_top,
-        "clouds": [_cloud(each, scale, arrays) for each in scene.clouds],
+        "clouds": [
+            _cloud(each, scale, arrays) | {"behind": behind}
+            for each, behind in zip(scene.clouds, turned, strict=True)
+        ],
         "maps": [_map(each, scene.clouds[each.target], arrays) for each in scene.maps],
         "truth": arrays.add(scene.truth, "i4"),
         "luts": {name: arrays.add(table, "u1") for name, table in color_tables().items()},
@@ -60,6 +68,19 @@ def packed(scene: Scene) -> str:
         and {"field": filtered.name, "label": filtered.label, "low": filtered.low, "high": filtered.high},
     }
     return base64.b64encode(zlib.compress(_joined(head, arrays), 9)).decode("ascii")
+
+
+def _sides(scene: Scene) -> tuple[str, list[bool]]:
+    """The view that shows the source from outside, and which clouds it shows from inside."""
+    towards = FRONT[scene.up]
+
+    def behind(cloud: ViewCloud) -> bool:
+        return cloud.normals is not None and seen_from_behind(cloud.normals, towards)
+
+    start = "front"
+    if behind(scene.clouds[0]):
+        start, towards = "back", -towards
+    return start, [behind(cloud) for cloud in scene.clouds]
 
 
 def _joined(head: dict[str, Any], arrays: _Arrays) -> bytes:

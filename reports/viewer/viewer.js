@@ -1,6 +1,7 @@
 /* Interactive view of point clouds and the maps between them.
 
    MedialView.mount(element, scene) draws one panel for the source and one for each map, all with one camera.
+   A target that would show its inner side is seen from behind: half a turn about the axis that points up.
    A scene comes from MedialView.decode(text): base64 of deflated arrays behind a JSON head (reports/viewer/packing.py).
    Needs regl (WebGL 1). Without WebGL it says so, and what is in the element's <noscript>-like [data-still] stays. */
 "use strict";
@@ -132,10 +133,12 @@ const MedialView = (() => {
   class View {
     constructor(element, scene, options = {}) {
       this.element = element; this.scene = scene; this.options = options;
-      this.camera = { q: upright(scene.up), zoom: 1, pan: [0, 0] };
-      this.state = { color: "", chosen: null, landmarks: true, centers: false, frame: 0, threshold: null, scale: "fixed",
+      this.start = scene.start || "front";
+      this.camera = this.from(this.start);
+      this.state = { behind: true, color: "", chosen: null, landmarks: true, centers: false, frame: 0, threshold: null, scale: "fixed",
         size: 1, maps: scene.maps.map((_, k) => k) };
       this.state.color = this.colorings()[0].name;
+      this.state.marked = scene.maps.findIndex((m) => m.landmarks && m.landmarks.length);
       if (scene.filter) this.state.threshold = scene.filter.low;
       this.build();
       this.restore();
@@ -185,7 +188,7 @@ const MedialView = (() => {
       this.tools.append(make("label", {}, "Colour ", colour));
       const view = make("select", { title: "View from" }, make("option", { value: "", text: "turned" }),
         ...Object.keys(VIEWS).map((name) => make("option", { value: name, text: name })));
-      view.value = "front"; this.viewSelect = view;
+      view.value = this.start; this.viewSelect = view;
       view.onchange = () => { if (view.value) this.look(view.value); };
       this.tools.append(make("label", {}, "View ", view));
       this.slider = make("input", { type: "range", min: 0, max: 0, value: 0 });
@@ -206,8 +209,12 @@ const MedialView = (() => {
         return input;
       };
       this.boxes = {};
-      if (this.scene.maps.some((m) => m.landmarks && m.landmarks.length)) this.boxes.landmarks = box("landmarks", "landmarks");
+      if (this.scene.maps.some((m) => m.landmarks && m.landmarks.length)) this.boxes.landmarks = this.whose(box("landmarks", "landmarks"));
       if (this.scene.clouds.some((c) => c.centers)) this.boxes.centers = box("centers", "medial centres");
+      if (this.scene.clouds.some((c) => c.behind)) {
+        this.boxes.behind = box("behind", "target from behind");
+        this.boxes.behind.parentNode.title = "Turned by half a turn, else one looks into its inner side";
+      }
       if (this.scene.maps.some((m) => m.errors)) {
         const input = make("input", { type: "checkbox" });
         input.onchange = () => { this.state.scale = input.checked ? "auto" : "fixed"; this.changed(true); };
@@ -220,8 +227,8 @@ const MedialView = (() => {
       this.tools.append(make("label", {}, "Size ", size));
       const picture = make("button", { type: "button", text: "PNG", title: "Save the view as a picture" });
       picture.onclick = () => this.save();
-      const reset = make("button", { type: "button", text: "Reset", title: "Front view, nothing chosen" });
-      reset.onclick = () => { this.state.chosen = null; this.look("front"); };
+      const reset = make("button", { type: "button", text: "Reset", title: "The first view, nothing chosen" });
+      reset.onclick = () => { this.state.chosen = null; this.look(this.start); };
       this.tools.append(picture, reset);
       try {
         this.regl = createREGL({ canvas: this.canvas, attributes: { antialias: true, preserveDrawingBuffer: true } });
@@ -241,14 +248,27 @@ const MedialView = (() => {
       this.paint = drawing(this.regl);
     }
 
+    /* Whose landmarks are shown: one map's at a time, as the landmarks of two maps are other points of one source. */
+    whose(box) {
+      const maps = this.scene.maps.map((map, k) => [map, k]).filter(([map]) => map.landmarks && map.landmarks.length);
+      if (maps.length < 2) return box;
+      const select = this.make("select", { className: "mv-whose", title: "Whose landmarks are shown" },
+        ...maps.map(([map, k]) => this.make("option", { value: k, text: map.label })));
+      select.onchange = () => { this.state.marked = Number(select.value); box.checked = this.state.landmarks = true; this.changed(); };
+      box.parentNode.append(" of ");
+      box.parentNode.after(select);
+      return box;
+    }
+
     /* Panels: the source, then one per map. A scan alone has one. */
     panels() {
       const list = [{ cloud: 0, map: null, title: this.scene.clouds[0].name, note: this.scene.clouds[0].caption }];
       for (const k of this.state.maps) {
         const map = this.scene.maps[k];
         const onSource = ["error", "confidence"].includes(this.state.color);
-        list.push({ cloud: onSource ? 0 : map.target, map: k, title: map.label,
-          note: onSource ? `${map.note || ""}` : this.scene.clouds[map.target].caption || map.note || "" });
+        const cloud = onSource ? 0 : map.target;
+        list.push({ cloud, map: k, title: `${map.label}${this.turned(cloud) ? ", from behind" : ""}`,
+          note: [map.note, onSource ? "" : this.scene.clouds[map.target].caption].filter(Boolean).join(", ") });
       }
       return list;
     }
@@ -411,9 +431,22 @@ const MedialView = (() => {
 
     changed(colours = false) { if (colours) this.upload(); this.draw(); this.remember(); }
 
-    look(name) {
+    from(name) {
       const [axis, angle] = VIEWS[name];
-      this.camera = { q: product(turn(axis, angle), upright(this.scene.up)), zoom: 1, pan: [0, 0] };
+      return { q: product(turn(axis, angle), upright(this.scene.up)), zoom: 1, pan: [0, 0] };
+    }
+
+    turned(cloud) { return this.state.behind && Boolean(this.scene.clouds[cloud].behind); }
+
+    /* How a cloud is turned: as all are, or first by half a turn about the axis that points up. */
+    rotation(cloud) {
+      const half = [0, 0, 0, 0];
+      half[1 + this.scene.up] = 1;
+      return matrix(this.turned(cloud) ? product(this.camera.q, half) : this.camera.q);
+    }
+
+    look(name) {
+      this.camera = this.from(name);
       this.viewSelect.value = name;
       this.changed();
     }
@@ -436,12 +469,12 @@ const MedialView = (() => {
         const ground = this.rgb("--mv-ground", "#ffffff");
         this.regl.poll();
         this.regl.clear({ color: [...ground, 1], depth: 1 });
-        const rotation = matrix(this.camera.q), inside = this.rgb("--mv-inside", "#4d535c");
+        const inside = this.rgb("--mv-inside", "#4d535c");
         panels.forEach((panel, k) => {
           const cloud = this.scene.clouds[panel.cloud], buffer = this.buffers[panel.cloud];
           const box = { x: panel.x * r, y: this.canvas.height - (panel.y + panel.h) * r, width: panel.w * r, height: panel.h * r };
           const size = Math.max(2, cloud.spacing * this.state.size * 0.75 * Math.min(panel.w, panel.h) * this.camera.zoom * r);
-          const common = { rotation, scale: this.scaleOf(panel), pan: this.camera.pan, inside, box, normal: buffer.normal };
+          const common = { rotation: this.rotation(panel.cloud), scale: this.scaleOf(panel), pan: this.camera.pan, inside, box, normal: buffer.normal };
           if (this.state.centers && buffer.centers) {
             this.paint({ ...common, position: buffer.centers, color: this.tints[k].color, shown: this.tints[k].shown, size: Math.max(1.5, size / 3), lit: false, count: cloud.n });
           } else {
@@ -454,7 +487,7 @@ const MedialView = (() => {
 
     /* Place of a cloud's point in a panel, in pixels of the page, with its depth. */
     screen(panel, p) {
-      const m = matrix(this.camera.q), [sx, sy] = this.scaleOf(panel);
+      const m = this.rotation(panel.cloud), [sx, sy] = this.scaleOf(panel);
       const x = m[0] * p[0] + m[3] * p[1] + m[6] * p[2], y = m[1] * p[0] + m[4] * p[1] + m[7] * p[2];
       const z = m[2] * p[0] + m[5] * p[1] + m[8] * p[2];
       return [panel.x + panel.w * (0.5 + 0.5 * (x + this.camera.pan[0]) * sx), panel.y + panel.h * (0.5 - 0.5 * (y + this.camera.pan[1]) * sy), z];
@@ -483,16 +516,18 @@ const MedialView = (() => {
       if (filled) { g.fillStyle = colour; g.fill(); }
     }
 
+    /* Landmarks in a panel: points of its cloud and their colours, equal ones in two panels for one landmark. */
+    marks(panel) {
+      const map = this.scene.maps[this.state.marked];
+      if (!map || !map.landmarks || panel.map !== null && panel.map !== this.state.marked) return [];
+      const side = panel.map === null || panel.cloud === 0 && map.target !== 0 ? 0 : 1, count = map.landmarks.length / 2;
+      return Array.from({ length: count }, (_, k) => [map.landmarks[2 * k + side], `hsl(${Math.round(360 * k / count)} 75% 45%)`]);
+    }
+
     landmarks(g, panels) {
-      panels.forEach((panel) => {
-        const map = this.scene.maps[panel.map === null ? this.state.maps[0] : panel.map];
-        if (!map || !map.landmarks) return;
-        const side = panel.map === null || panel.cloud === 0 && map.target !== 0 ? 0 : 1;
-        for (let k = 0; k < map.landmarks.length / 2; k++) {
-          const hue = `hsl(${Math.round(360 * k / Math.max(1, map.landmarks.length / 2))} 75% 45%)`;
-          this.ring(g, this.screen(panel, this.point(panel.cloud, map.landmarks[2 * k + side])), 3.5, hue, true);
-        }
-      });
+      for (const panel of panels) {
+        for (const [i, hue] of this.marks(panel)) this.ring(g, this.screen(panel, this.point(panel.cloud, i)), 3.5, hue, true);
+      }
     }
 
     /* The chosen source point, its match and its true place in every panel, joined by lines. */

@@ -11,6 +11,7 @@ from medial import Matching
 from medial.matching.result import Alternative
 from reports.cli.cloud_files import read_thinned
 from reports.cli.map_alternatives import numbered, said_of_alternatives, write_alternatives
+from reports.cli.map_options import draw_map
 from tests.reports.cli.command_line import FAST, run
 
 
@@ -48,6 +49,19 @@ def test_each_alternative_is_written_and_drawn(clouds, found, tmp_path, scan_fil
     assert np.array_equal(loaded.source_to_target[kept], kept[::-1])
     assert loaded.probability == 0.4
     assert loaded.about == {"method": "medial", "alternative_to": "m.npz"}
+
+
+def test_pictures_of_several_maps_say_which_one_they_show(clouds, found, tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr("reports.figures.style.save", lambda figure, *_, **__: figures.append(figure))
+    for map_, name in (
+        (found, {}),
+        (found.as_alternatives()[0], {"name": "alternative 2"}),
+        (replace(found, alternatives=()), {}),
+    ):
+        draw_map(tmp_path / "m.png", clouds, ("a", "b"), map_, **name)
+    said = [figure.get_suptitle() for figure in figures]
+    assert said == ["map, probability 0.60", "alternative 2, probability 0.40", ""]
 
 
 def test_an_input_is_not_overwritten(clouds, found, tmp_path):

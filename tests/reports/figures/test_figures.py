@@ -1,3 +1,5 @@
+import io
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -128,6 +130,47 @@ def test_maps_without_truth_show_both_clouds_and_confidence():
     shown = [axes for axes in figure.axes if axes.get_images()]
     assert [axes.get_title(loc="left") for axes in shown] == ["source", "target", "confidence"]
     assert [[t.get_text() for t in axes.texts].count("1") for axes in shown] == [1, 1, 0]
+
+
+def written(figure):
+    """All texts of a figure that are seen; the ticks of pictures are not."""
+    texts = [text for axes in figure.axes for text in (*axes.texts, axes._left_title)]
+    texts += [label for axes in figure.axes if axes.axison for label in axes.get_yticklabels()]
+    texts += [text for legend in figure.legends for text in legend.get_texts()]
+    return [text for text in texts if text.get_text()]
+
+
+def beyond_the_edge(figure):
+    """Texts that a picture of the figure, saved as a user saves it, cuts off."""
+    figure.savefig(io.BytesIO(), format="png")
+    width, height = figure.bbox.size
+    boxes = {text.get_text(): text.get_window_extent() for text in written(figure)}
+    return [text for text, b in boxes.items() if min(b.x0, b.y0) < 0 or b.x1 > width or b.y1 > height]
+
+
+@pytest.mark.parametrize("wide", [0.3, 1.0, 1.5, 2.0, 5.0])
+def test_no_text_of_a_map_is_cut_off(wide):
+    points, normals = cloud()
+    side = DrawnCloud(points * [wide, 1, 1], normals, "a.npz")
+    image = np.arange(len(points))
+    figure = dense_map(side, side, image, np.linspace(0, 1, len(points)), np.array([[1, 1]]), height=60)
+    assert {"source", "target", "confidence", "on the source", "1.0"} <= {
+        text.get_text() for text in written(figure)
+    }
+    assert beyond_the_edge(figure) == []
+
+
+def test_a_map_can_have_a_heading_with_room_of_its_own():
+    points, normals = cloud()
+    side, image = DrawnCloud(points, normals, "a.npz"), np.arange(len(points))
+    figure = dense_map(
+        side, side, image, np.ones(len(points)), np.array([[1, 1]]), height=60, heading="alternative 2"
+    )
+    assert beyond_the_edge(figure) == []
+    heading, titles = figure._suptitle, [axes._left_title for axes in figure.axes[:3]]
+    assert heading.get_text() == "alternative 2"
+    assert heading.get_window_extent().y1 <= figure.bbox.height
+    assert heading.get_window_extent().y0 > max(title.get_window_extent().y1 for title in titles)
 
 
 def test_scans_have_a_row_per_pose():

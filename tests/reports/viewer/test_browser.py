@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +80,52 @@ def test_a_point_without_a_match_says_so(scene, tmp_path):
     dom, complaints = opened(tmp_path / "view.html", tmp_path, "#point=7")
     assert complaints == ""
     assert "first: no match" in dom
+
+
+def test_landmarks_of_one_map_are_shown_at_a_time(scene, tmp_path):
+    maps = [
+        replace(each, landmarks=np.array(pairs))
+        for each, pairs in zip(scene.maps, ([[1, 2], [3, 4]], [[5, 6], [7, 8], [9, 10]]), strict=True)
+    ]
+    page = tmp_path / "view.html"
+    write_view(replace(scene, maps=tuple(maps)), page)
+    script = """<script>
+      const points = (panel) => view.marks(panel).map(([point]) => point);
+      const marks = () => JSON.stringify(view.panels().map(points));
+      const wait = setInterval(() => {
+        const select = document.querySelector(".mv-whose");
+        if (!window.view || !select) return;
+        clearInterval(wait);
+        const first = marks();
+        select.value = "1"; select.onchange();
+        document.body.dataset.said = `${first} ${marks()}`;
+      }, 20);
+    </script>"""
+    page.write_text(page.read_text().replace("</body>", f"{script}</body>"))
+    dom, complaints = opened(page, tmp_path)
+    assert complaints == ""
+    assert 'data-said="[[1,3],[2,4],[]] [[5,7,9],[],[6,8,10]]"' in dom
+
+
+def test_panels_say_what_is_known_of_a_map_and_from_where_its_target_is_seen(scene, tmp_path):
+    behind = RNG.normal(size=(300, 3)) * [1, 1, 0.1]
+    target = ViewCloud("target", behind, np.tile([0.0, 0.0, -1.0], (300, 1)), caption="300 points")
+    maps = [replace(each, note=f"probability 0.{k}") for k, each in enumerate(scene.maps, start=4)]
+    page = tmp_path / "view.html"
+    write_view(replace(scene, clouds=(scene.clouds[0], target), maps=tuple(maps)), page)
+    script = """<script>
+      const wait = setInterval(() => {
+        if (!window.view) return;
+        clearInterval(wait);
+        const words = view.panels().slice(1).map((each) => `${each.title}: ${each.note}`);
+        document.body.dataset.said = words.join("; ");
+      }, 20);
+    </script>"""
+    page.write_text(page.read_text().replace("</body>", f"{script}</body>"))
+    dom, complaints = opened(page, tmp_path)
+    assert complaints == ""
+    first, second = (f"{name}, from behind: probability 0." for name in ("first", "second"))
+    assert f'data-said="{first}4, 300 points; {second}5, 300 points"' in dom
 
 
 @pytest.mark.parametrize(

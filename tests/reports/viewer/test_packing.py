@@ -91,6 +91,29 @@ def test_twenty_thousand_points_a_side_take_less_than_a_megabyte():
     assert len(text) < 1_000_000
 
 
+def half(axis, sign):
+    """The side of a ball that faces along an axis."""
+    normals = RNG.normal(size=(600, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals[sign * normals[:, axis] > 0]
+    return ViewCloud("a", normals, normals)
+
+
+@pytest.mark.parametrize(("up", "axis", "front"), [(0, 2, 1), (1, 2, 1), (2, 1, -1)])
+def test_clouds_that_are_seen_from_inside_are_turned(up, axis, front):
+    image = np.zeros(0, dtype=int)
+
+    def sides(*signs):
+        clouds = tuple(half(axis, front * sign) for sign in signs)
+        head, _ = unpacked(packed(Scene("a", clouds, (ViewMap("m", image),) if len(signs) > 1 else (), up)))
+        return head["start"], [each["behind"] for each in head["clouds"]]
+
+    assert sides(1, 1) == ("front", [False, False])
+    assert sides(1, -1) == ("front", [False, True])
+    assert sides(-1, 1) == ("back", [False, True])
+    assert sides(-1) == ("back", [False])
+
+
 @pytest.mark.parametrize(
     "points", [np.zeros((0, 3)), np.zeros((1, 3)), np.zeros((5, 3))], ids=["no", "one", "equal"]
 )
