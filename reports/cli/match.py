@@ -1,6 +1,7 @@
 """``medialbench match``: the correspondence of two clouds in files."""
 
 from collections.abc import Mapping
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -140,7 +141,13 @@ def match(
         written: list[Path] = []
         if alternatives:
             written = write_alternatives(out, picture, (here, there), (source, target), found, about)
-    check = "; mirror check undecided" if found.mirror_check == "undecided" else ""
-    say(quiet, f"{summary(whole, len(found))}{check}{said_of_kinds((here, there))}; written to {out}")
-    for line in said_of_alternatives(found, written, picture is not None and bool(written)):
+    doubts = said_of_alternatives(found, written, picture is not None and bool(written))
+    likely = "" if doubts or isnan(found.probability) else f"; probability of the map {found.probability:.2f}"
+    say(quiet, f"{summary(whole, len(found))}{likely}{said_of_kinds((here, there))}; written to {out}")
+    for line in doubts:
         say(quiet, line)
+    shown = [str(each) for each in (picture, view) if each is not None]
+    if shown:
+        say(quiet, f"drawn: {', '.join(shown)}")
+    elif out.suffix == ".npz":
+        say(quiet, f"to look at it: --picture FILE, --view FILE, or medialbench.plot({str(out)!r}) in Python")

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from datasets_gen.records import InputError, load_record
+from medial import Matching
 from medial.validation import unit_normals
 from scanner_sim import Scan
 from tests.reports.cli.command_line import FAST, SIZE, fails, run
@@ -44,12 +45,13 @@ def test_a_scan_matched_to_itself_lands_on_itself(scan_file, tmp_path):
 )
 def test_the_summary_says_how_many_points_were_matched_and_how_surely(scan_file, tmp_path, points, said):
     result = run("match", scan_file, scan_file, "-o", tmp_path / "m.npz", "--modes", "30", "--points", points)
-    line = result.stderr.strip().splitlines()[-1]
-    assert line.startswith(said)
-    doubt = (
-        "; mirror check undecided" if load_map(tmp_path / "m.npz")[1]["mirror_check"] == "undecided" else ""
-    )
-    assert f" % (confidence of at least 0.5){doubt}; written to " in line
+    lines = result.stderr.strip().splitlines()
+    (line,) = [each for each in lines if each.startswith(said)]
+    likely = Matching.load(tmp_path / "m.npz").probability
+    told = "It is open" in result.stderr or np.isnan(likely)
+    probability = "" if told else f"; probability of the map {likely:.2f}"
+    assert f" % (confidence of at least 0.5){probability}; written to " in line
+    assert lines[-1].startswith("to look at it: --picture FILE, --view FILE, or medialbench.plot(")
 
 
 def test_clouds_of_every_kind_are_read(scan_file, mesh_file, tmp_path):
