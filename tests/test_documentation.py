@@ -3,6 +3,8 @@
 import importlib.util
 import re
 import sys
+import tomllib
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,14 @@ import trimesh
 from datasets_gen import load
 from evaluation import Experiment, ResultsStore
 from evaluation import run as run_experiment
+from evaluation.experiment.config_sections import (
+    DatasetSection,
+    MatchingSection,
+    MethodSection,
+    OperatorsSection,
+    ScanCondition,
+    StabilitySection,
+)
 from reports.cli.main import COMMANDS
 from tests.test_architecture import ORDER, modules
 
@@ -136,6 +146,29 @@ def run(block):
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+def test_every_key_of_an_experiment_is_explained():
+    text = (ROOT / "docs" / "evaluation.md").read_text(encoding="utf-8")
+    cells = [line.split("|")[1] for line in text.splitlines() if line.startswith("|")]
+    named = set(re.findall(r"`\[*([a-z_]+)\]*`", " ".join(cells)))
+    sections = (
+        DatasetSection,
+        ScanCondition,
+        OperatorsSection,
+        StabilitySection,
+        MatchingSection,
+        MethodSection,
+    )
+    known = {field.name: field.default for section in (Experiment, *sections) for field in fields(section)}
+    assert set(known) <= named, set(known) - named
+    rows = [
+        [cell.strip() for cell in line.split("|")[1:3]] for line in text.splitlines() if line.count("|") > 3
+    ]
+    said = {re.findall(r"`([a-z_]+)`", key)[-1]: default for key, default in rows if "`" in key}
+    assert float(said["timeout"]) == known["timeout"]
+    for name in ("evaluated", "departures", "threshold", "views", "points", "modes", "poses"):
+        assert tomllib.loads(f"x = {said[name]}")["x"] == known[name], name
 
 
 def test_your_own_data_is_a_data_set(folder):

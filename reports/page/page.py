@@ -35,6 +35,8 @@ SCRIPTS = ("page_tools.js", "report.js", "board.js", "charts.js", "all_maps.js")
 OWN_TERMS = ("geodesic_mean", "flip_rate", "medial_mean", "eq18")
 """Columns that the page explains in words of its own."""
 BIBTEX = """@misc{{medialbench,
+  author = {{{{The medialbench authors}}}},
+  year = {{2026}},
   title = {{medialbench: how well incomplete scans of deforming shapes can be matched}},
   note = {{{note}}}
 }}
