@@ -3,10 +3,15 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from reports.cli.map_options import check_map_outputs, draw_map, write_map
 
 LIKELY = 0.5
 """Probability below which a map without alternatives is said to be doubtful."""
+ELSEWHERE = 0.05
+"""Distance, relative to the diagonal of the box about the target, from which two places differ."""
 
 if TYPE_CHECKING:
     from medial import Matching
@@ -57,12 +62,32 @@ def write_alternatives(
     return written
 
 
-def said_of_alternatives(found: "Matching", written: list[Path], drawn: bool = False) -> list[str]:
+def sent_elsewhere(first: NDArray[np.int64], second: NDArray[np.int64], target: NDArray[np.float64]) -> float:
+    """Share of the points that two maps send to places farther apart than `ELSEWHERE` of the target's extent.
+
+    Parameters
+    ----------
+    first, second : (n,) int64
+        Ids of target points; those below 0 in either do not count.
+    target : (m, 3) float64
+    """
+    both = (first >= 0) & (second >= 0)
+    if not both.any():
+        return 0.0
+    apart = np.linalg.norm(target[first[both]] - target[second[both]], axis=1)
+    return float((apart > ELSEWHERE * np.linalg.norm(np.ptp(target, axis=0))).mean())
+
+
+def said_of_alternatives(
+    found: "Matching", target: NDArray[np.float64], written: list[Path], drawn: bool = False
+) -> list[str]:
     """What is said of a map that may be wrong as a whole, one line each; nothing if it is likely to be right.
 
     Parameters
     ----------
     found
+    target : (m, 3) float64
+        The points that it maps to.
     written
         Maps of its alternatives; empty if they were not asked for.
     drawn
@@ -73,7 +98,9 @@ def said_of_alternatives(found: "Matching", written: list[Path], drawn: bool = F
     lines = [f"It is open whether this map is the right one: its probability is {found.probability:.2f}"]
     for number, each in enumerate(found.alternatives):
         place = f"; written to {written[number]}" if written else ""
-        lines.append(f"  another one {each.probability:.2f}{place}{', with its picture' if drawn else ''}")
+        share = sent_elsewhere(found.source_to_target, each.source_to_target, target)
+        other = f"  another one {each.probability:.2f}, which sends {share:.0%} of the points elsewhere"
+        lines.append(f"{other}{place}{', with its picture' if drawn else ''}")
     rest = 1 - found.probability - sum(each.probability for each in found.alternatives)
     if rest >= 0.005:
         lines.append(f"  still others, or none: these may be different shapes, {rest:.2f}")

@@ -141,7 +141,7 @@ def match(
         written: list[Path] = []
         if alternatives:
             written = write_alternatives(out, picture, (here, there), (source, target), found, about)
-    doubts = said_of_alternatives(found, written, picture is not None and bool(written))
+    doubts = said_of_alternatives(found, there.scan.points, written, picture is not None and bool(written))
     likely = "" if doubts or isnan(found.probability) else f"; probability of the map {found.probability:.2f}"
     say(quiet, f"{summary(whole, len(found))}{likely}{said_of_kinds((here, there))}; written to {out}")
     for line in doubts:

@@ -14,6 +14,9 @@ from reports.cli.map_alternatives import numbered, said_of_alternatives, write_a
 from reports.cli.map_options import draw_map
 from tests.reports.cli.command_line import FAST, run
 
+LINE = np.outer(np.arange(200.0), [1, 0, 0])
+"""Target points one apart: the reversed order sends all but ten of 200 more than 5 % of the length away."""
+
 
 @pytest.fixture
 def clouds(scan_file):
@@ -73,24 +76,24 @@ def test_an_input_is_not_overwritten(clouds, found, tmp_path):
 
 
 def test_it_is_said_what_is_open_and_how_to_see_it(found):
-    first, second, last = said_of_alternatives(found, [])
+    first, second, last = said_of_alternatives(found, LINE, [])
     assert first.endswith("its probability is 0.60")
-    assert second == "  another one 0.40"
+    assert second == "  another one 0.40, which sends 95% of the points elsewhere"
     assert "--alternatives" in last
-    drawn = said_of_alternatives(found, [Path("m-2.npz")], drawn=True)
-    assert drawn[1] == "  another one 0.40; written to m-2.npz, with its picture"
+    drawn = said_of_alternatives(found, LINE, [Path("m-2.npz")], drawn=True)
+    assert drawn[1] == second + "; written to m-2.npz, with its picture"
     assert len(drawn) == 2
 
 
 def test_what_is_missing_to_one_is_said(found):
-    lines = said_of_alternatives(replace(found, probability=0.3), [])
+    lines = said_of_alternatives(replace(found, probability=0.3), LINE, [])
     assert any(line.endswith("0.30") and "none" in line for line in lines)
 
 
 @pytest.mark.parametrize(("probability", "lines"), [(0.02, 2), (0.97, 0), (float("nan"), 0)])
 def test_a_map_without_alternatives_is_doubted_if_it_is_unlikely(found, probability, lines):
     alone = replace(found, alternatives=(), probability=probability)
-    assert len(said_of_alternatives(alone, [])) == lines
+    assert len(said_of_alternatives(alone, LINE, [])) == lines
 
 
 def test_the_option_writes_as_many_files_as_it_says(scan_file, tmp_path):
