@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.figures.cloud_drawing import place_cloud
-from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from
+from reports.figures.pair_cameras import FROM_BEHIND
+from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from, seen_from_behind
 from reports.figures.style import CLAY, CLOUD_INCHES, HEADROOM, QUIET, blank, new_figure, styled
 
 
@@ -32,6 +33,8 @@ def scan_series(
 ) -> Figure:
     """Clouds side by side, one row per pose; what is seen through a hole is grey.
 
+    All are seen from one side, but for those that would show their inner side: their note says so.
+
     Parameters
     ----------
     rows
@@ -43,23 +46,27 @@ def scan_series(
     inches
         Height of a cloud on paper.
     """
-    clouds = [view.points for _, views in rows for view in views]
-    rotation = look_from(best_azimuth(clouds[0], up), up=up)
-    framed = fitted_cameras(clouds, rotation, height)
+    every = [view for _, views in rows for view in views]
+    azimuth = best_azimuth(every[0].points, up)
+    front = look_from(azimuth, up=up)
+    behind = [seen_from_behind(view.normals, front[2]) for view in every]
+    rotations = np.array([look_from(azimuth + 180.0 * turned, up=up) for turned in behind])
+    framed = fitted_cameras([view.points for view in every], rotations, height)
     width = max(camera.width for camera in framed)
-    cameras = (replace(camera, width=width) for camera in framed)
+    cameras = iter(zip((replace(camera, width=width) for camera in framed), behind, strict=True))
     columns = max(len(views) for _, views in rows)
-    shown = [[(view, next(cameras)) for view in views] for _, views in rows]
+    shown = [[(view, *next(cameras)) for view in views] for _, views in rows]
     wide = max(inches * width / height, 1.1)
     figure, grid = new_figure(len(rows), columns, wide * columns, (inches + 0.35) * len(rows), HEADROOM)
     for axes, row, (name, _) in zip(grid, shown, rows, strict=True):
         for each in axes:
             blank(each)
-        for each, (view, camera) in zip(axes, row, strict=False):
+        for each, (view, camera, turned) in zip(axes, row, strict=False):
             colors = np.tile(to_rgb(CLAY), (len(view.points), 1))
             place_cloud(each, view.points, view.normals, colors, camera)
             each.set_title(view.title, pad=14)
-            each.text(0, 1.01, view.note, transform=each.transAxes, fontsize=7.5, color=QUIET, va="bottom")
+            note = view.note + FROM_BEHIND * turned
+            each.text(0, 1.01, note, transform=each.transAxes, fontsize=7.5, color=QUIET, va="bottom")
         if len(rows) > 1:
             axes[0].text(
                 -0.02,

@@ -5,6 +5,7 @@ from reports.figures.cloud_drawing import DrawnCloud
 from reports.figures.dense_map import dense_map
 from reports.figures.method_comparison import MethodPanel, PairPicture, method_comparison
 from reports.figures.pair_cameras import pair_cameras
+from reports.figures.scan_series import ScanView, scan_series
 from tests.reports.figures.test_figures import beyond_the_edge
 
 UP = 1
@@ -70,3 +71,10 @@ def test_pictures_say_that_the_target_is_seen_from_behind(target, said):
         titles = [axes.get_title(loc="left").replace("\n", " ") for axes in figure.axes]
         assert ", ".join(filter(None, [head, said])) in titles
         assert beyond_the_edge(figure) == []
+
+
+def test_scans_of_the_other_side_are_shown_from_behind():
+    views = [ScanView(cloud.points, cloud.normals, "scan", "some points") for cloud in (FRONT, BACK, WHOLE)]
+    figure = scan_series([("front to back", views)], height=60)
+    notes = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert notes == ["some points", "some points, from behind", "some points"]
