@@ -14,6 +14,10 @@ NORMALS = ("nx", "ny", "nz"), ("normalx", "normaly", "normalz"), ("NormalX", "No
 """Names of extra dimensions that hold normals."""
 SHORTEST = 227
 """Bytes of the header of LAS 1.2."""
+LONG_HEADER = 375
+"""Bytes of the header from LAS 1.4 on."""
+NEWEST = 5
+"""Minor version; laspy goes by it alone and takes 0.4 for 1.4, whose counts then are others."""
 RECORD, LONG_RECORD = 54, 60
 """Bytes of the head of a variable record, before the points and after them."""
 MOST_PACKED = 1000
@@ -62,8 +66,12 @@ def _checked_count(content: bytes) -> int:
     if len(content) < SHORTEST or content[:4] != b"LASF":
         raise ValueError("no header of a LAS file")
     major, minor = content[24], content[25]
+    if major != 1 or minor > NEWEST:
+        raise ValueError(f"version {major}.{minor} of LAS, where 1.0 to 1.{NEWEST} are read")
     start, records, kind, length, count = struct.unpack_from("<IIBHI", content, 96)
-    if (major, minor) >= (1, 4) and len(content) >= 375:
+    if minor >= 4:
+        if len(content) < LONG_HEADER:
+            raise ValueError(f"{len(content)} bytes, where the header alone takes {LONG_HEADER}")
         after, long_records, count = struct.unpack_from("<QIQ", content, 235)
         if long_records and after + LONG_RECORD * long_records > len(content):
             raise ValueError(f"{long_records} records at byte {after}, beyond the end of the file")

@@ -3,9 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from reports.cli.map_options import check_map_outputs, draw_map, write_map
 
 LIKELY = 0.5
@@ -14,6 +11,9 @@ ELSEWHERE = 0.05
 """Distance, relative to the diagonal of the box about the target, from which two places differ."""
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from medial import Matching
     from reports.cli.cloud_files import ThinnedCloud
 
@@ -62,7 +62,9 @@ def write_alternatives(
     return written
 
 
-def sent_elsewhere(first: NDArray[np.int64], second: NDArray[np.int64], target: NDArray[np.float64]) -> float:
+def sent_elsewhere(
+    first: "NDArray[np.int64]", second: "NDArray[np.int64]", target: "NDArray[np.float64]"
+) -> float:
     """Share of the points that two maps send to places farther apart than `ELSEWHERE` of the target's extent.
 
     Parameters
@@ -71,6 +73,8 @@ def sent_elsewhere(first: NDArray[np.int64], second: NDArray[np.int64], target: 
         Ids of target points; those below 0 in either do not count.
     target : (m, 3) float64
     """
+    import numpy as np
+
     both = (first >= 0) & (second >= 0)
     if not both.any():
         return 0.0
@@ -79,7 +83,7 @@ def sent_elsewhere(first: NDArray[np.int64], second: NDArray[np.int64], target: 
 
 
 def said_of_alternatives(
-    found: "Matching", target: NDArray[np.float64], written: list[Path], drawn: bool = False
+    found: "Matching", target: "NDArray[np.float64]", written: list[Path], drawn: bool = False
 ) -> list[str]:
     """What is said of a map that may be wrong as a whole, one line each; nothing if it is likely to be right.
 

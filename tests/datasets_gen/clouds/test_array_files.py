@@ -175,6 +175,21 @@ def test_las_with_an_offset_keeps_its_digits(tmp_path, suffix):
         read(tmp_path, f"b.{suffix}", (tmp_path / f"a.{suffix}").read_bytes()[:-20])
 
 
+@pytest.mark.parametrize("suffix", ["las", "laz"])
+@pytest.mark.parametrize("version", [(0, 4), (2, 0), (1, 9)])
+def test_las_of_no_known_version_is_refused(tmp_path, suffix, version):
+    """laspy goes by the minor number: it read the 155 million records of a file of version 0.4, for minutes."""
+    laspy = pytest.importorskip("laspy")
+    las = laspy.LasData(laspy.LasHeader(point_format=6, version="1.4"))
+    las.x, las.y, las.z = POINTS.T
+    las.write(str(tmp_path / f"a.{suffix}"))
+    content = bytearray((tmp_path / f"a.{suffix}").read_bytes())
+    assert len(read(tmp_path, f"a.{suffix}", bytes(content)).points) == 4
+    content[24:26] = bytes(version)
+    with pytest.raises(InputError, match=rf"version {version[0]}\.{version[1]} of LAS"):
+        read(tmp_path, f"a.{suffix}", bytes(content))
+
+
 def test_las_without_its_package_says_how_to_get_it(tmp_path, monkeypatch):
     monkeypatch.setattr(las_clouds, "find_spec", lambda name: None)
     with pytest.raises(InputError) as caught:

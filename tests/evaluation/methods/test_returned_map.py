@@ -75,7 +75,7 @@ WRONG = {
     "restarts.'a'. is no array of numbers": {"restarts": {"a": [[1], [1, 2]]}},
     "probability is 5, not in": {"probability": 5.0},
     "probability is -1, not in": {"probability": -1},
-    "cost is a int, not a number that can be stored": {"cost": 10**400},
+    "cost is an int, not a number that can be stored": {"cost": 10**400},
     "about cannot be stored": {"about": {"x": object()}},
     "source_points has shape": {"source_points": np.zeros((N, 2))},
     "alternatives are nothing": {"alternatives": None},
