@@ -178,7 +178,7 @@ def test_las_with_an_offset_keeps_its_digits(tmp_path, suffix):
 @pytest.mark.parametrize("suffix", ["las", "laz"])
 @pytest.mark.parametrize("version", [(0, 4), (2, 0), (1, 9)])
 def test_las_of_no_known_version_is_refused(tmp_path, suffix, version):
-    """laspy goes by the minor number: it read the 155 million records of a file of version 0.4, for minutes."""
+    """laspy goes by the minor number: of a file of version 0.4 it read 155 million records, for minutes."""
     laspy = pytest.importorskip("laspy")
     las = laspy.LasData(laspy.LasHeader(point_format=6, version="1.4"))
     las.x, las.y, las.z = POINTS.T
