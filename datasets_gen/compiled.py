@@ -18,7 +18,7 @@ import numpy as np
 T = TypeVar("T")
 
 
-def compiled(inline: str | None = None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def compiled(inline: str = "never") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """`numba.njit` without the interpreter lock, cached on disk where any cache folder can be written.
 
     Arithmetic is that of IEEE 754 in the order written, so that a kernel has the same bits on every
@@ -30,9 +30,7 @@ def compiled(inline: str | None = None) -> Callable[[Callable[..., Any]], Callab
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        settings: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-        if inline is not None:
-            settings["inline"] = inline
+        settings: dict[str, Any] = {"nogil": True, "error_model": "numpy", "inline": inline}
         try:
             return numba.njit(cache=True, **settings)(function)
         except RuntimeError:

@@ -159,7 +159,7 @@ class _Generation:
 
     def _run(self, cluster: Cluster, tasks: Sequence[Task]) -> None:
         counts = [task.spec.get("count", 1) for task in tasks]
-        failed = execute(
+        execute(
             cluster,
             self.folder.path,
             tasks,
@@ -168,9 +168,10 @@ class _Generation:
             limit=START + self.plan.config.timeout * max(counts, default=0),
             progress=self.progress,
             runner=make_file,
+            failures=self.failures,
         )
-        self.failures += failed
-        self.made += [task for task in tasks if task.key not in {each.task.key for each in failed}]
+        failed = {each.task.key for each in self.failures}
+        self.made += [task for task in tasks if task.key not in failed]
 
     def finished(self) -> GenerationResult:
         """Write what describes the folder, also if there is only a part of it."""

@@ -63,7 +63,7 @@ def face_adjacency(faces: NDArray[np.integer]) -> tuple[NDArray[np.int32], NDArr
     return neighbour, opposite
 
 
-@compiled(inline="never")
+@compiled()
 def third_corner(
     rx: float, ry: float, lx: float, ly: float, to_right: float, to_left: float
 ) -> tuple[float, float]:
@@ -76,7 +76,7 @@ def third_corner(
     return rx + along * ex + away * ey, ry + along * ey - away * ex
 
 
-@compiled(inline="never")
+@compiled()
 def _length(vertices: Floats, i: int, j: int) -> float:
     dx = vertices[i, 0] - vertices[j, 0]
     dy = vertices[i, 1] - vertices[j, 1]
@@ -84,7 +84,7 @@ def _length(vertices: Floats, i: int, j: int) -> float:
     return np.sqrt(dx * dx + dy * dy + dz * dz)
 
 
-@compiled(inline="never")
+@compiled()
 def lay_flat(vertices: Floats, a: int, b: int, c: int, point: Floats) -> Floats:
     """Corners of a triangle in its own plane with `point` at the origin, counter-clockwise, (3, 2)."""
     u, v = vertices[b] - vertices[a], vertices[c] - vertices[a]
@@ -99,7 +99,7 @@ def lay_flat(vertices: Floats, a: int, b: int, c: int, point: Floats) -> Floats:
     return flat
 
 
-@compiled(inline="never")
+@compiled()
 def see_through(
     vertices: Floats,
     faces: Ints,
@@ -239,7 +239,7 @@ def enter(
     return used, direct
 
 
-@compiled(inline="never")
+@compiled()
 def shortcuts(vertices: Floats, faces: Ints, neighbour: Ints, opposite: Ints) -> tuple[Ints, Ints, Floats]:
     """All straight lines between vertices over up to `DEPTH` edges, plus the mesh edges themselves.
 

@@ -1,7 +1,6 @@
 """Fig. 8 of the paper: a dense correspondence as colours, methods side by side."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -125,8 +124,9 @@ def _panel(
 
 def _colorbar(figure: Figure, grid: np.ndarray) -> None:
     scale = mpl.cm.ScalarMappable(ERROR_NORM, ERROR_COLORS)
-    place: Any = {"shrink": 0.7, "aspect": 28, "pad": 0.01, "panchor": False}
-    bar = figure.colorbar(scale, ax=grid[1].tolist(), extend="max", **place)
+    bar = figure.colorbar(
+        scale, ax=grid[1].tolist(), shrink=0.7, aspect=28, pad=0.01, panchor=False, extend="max"
+    )
     bar.set_ticks(list(ERROR_TICKS), labels=[f"{tick:g}" for tick in ERROR_TICKS])
     bar.minorticks_off()
     bar.set_label("geodesic error × 100 / √area")

@@ -1,8 +1,10 @@
 """From where the two clouds of a map are seen."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reports.figures.cloud_drawing import DrawnCloud
 from reports.figures.point_renderer import (
@@ -12,6 +14,8 @@ from reports.figures.point_renderer import (
     look_from,
     seen_from_behind,
 )
+
+Float = NDArray[np.float64]
 
 FROM_BEHIND = ", from behind"
 """Said in the title of a target that is seen from the side opposite to that of the source."""
@@ -55,9 +59,38 @@ def pair_cameras(source: DrawnCloud, target: DrawnCloud, up: int, height: int) -
     azimuth = best_azimuth(source.points, up)
     if seen_from_behind(source.normals, look_from(azimuth, up=up)[2]):
         azimuth += 180.0
-    behind = seen_from_behind(target.normals, look_from(azimuth, up=up)[2])
-    rotations = np.array([look_from(a, up=up) for a in (azimuth, azimuth + 180.0 * behind)])
-    cameras = fitted_cameras([source.points, target.points], rotations, height)
-    width = max(camera.width for camera in cameras)
-    here, there = (replace(camera, width=width) for camera in cameras)
+    (here, _), (there, behind) = outside_cameras(
+        [(each.points, each.normals) for each in (source, target)], azimuth, up, height
+    )
     return PairCameras(here, there, behind)
+
+
+def outside_cameras(
+    clouds: Sequence[tuple[Float, Float]], azimuth: float, up: int, height: int
+) -> list[tuple[Camera, bool]]:
+    """Cameras of one scale and size that show clouds from one direction, or from behind.
+
+    Those that would show their inner side are turned by half a turn about the vertical axis.
+
+    Parameters
+    ----------
+    clouds
+        Points and normals of each, (n, 3).
+    azimuth
+        Of the direction, in degrees.
+    up
+        Axis that points upwards.
+    height
+        Pixels of the tallest cloud.
+
+    Returns
+    -------
+    list of (Camera, bool)
+        Of each cloud, and whether it is seen from behind.
+    """
+    towards = look_from(azimuth, up=up)[2]
+    behind = [seen_from_behind(normals, towards) for _, normals in clouds]
+    rotations = np.array([look_from(azimuth + 180.0 * turned, up=up) for turned in behind])
+    cameras = fitted_cameras([points for points, _ in clouds], rotations, height)
+    width = max(camera.width for camera in cameras)
+    return [(replace(camera, width=width), turned) for camera, turned in zip(cameras, behind, strict=True)]

@@ -1,7 +1,7 @@
 """Clouds side by side, such as the scans of one pose at rising peak thresholds."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.figures.cloud_drawing import place_cloud
-from reports.figures.pair_cameras import FROM_BEHIND
-from reports.figures.point_renderer import best_azimuth, fitted_cameras, look_from, seen_from_behind
+from reports.figures.pair_cameras import FROM_BEHIND, outside_cameras
+from reports.figures.point_renderer import best_azimuth
 from reports.figures.style import CLAY, CLOUD_INCHES, HEADROOM, QUIET, blank, new_figure, styled
 
 
@@ -48,12 +48,8 @@ def scan_series(
     """
     every = [view for _, views in rows for view in views]
     azimuth = best_azimuth(every[0].points, up)
-    front = look_from(azimuth, up=up)
-    behind = [seen_from_behind(view.normals, front[2]) for view in every]
-    rotations = np.array([look_from(azimuth + 180.0 * turned, up=up) for turned in behind])
-    framed = fitted_cameras([view.points for view in every], rotations, height)
-    width = max(camera.width for camera in framed)
-    cameras = iter(zip((replace(camera, width=width) for camera in framed), behind, strict=True))
+    framed = outside_cameras([(view.points, view.normals) for view in every], azimuth, up, height)
+    cameras, width = iter(framed), framed[0][0].width
     columns = max(len(views) for _, views in rows)
     shown = [[(view, *next(cameras)) for view in views] for _, views in rows]
     wide = max(inches * width / height, 1.1)

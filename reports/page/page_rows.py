@@ -15,7 +15,7 @@ from reports.figures.style import method_colors
 from reports.method_order import order_methods
 from reports.tables.columns import GROUP, LEADERBOARD
 from reports.tables.completeness import unmatched
-from reports.tables.leaderboard import LITTLE_SHARED, MEASURES, RATES
+from reports.tables.leaderboard import MEASURES, RATES, share_little
 from reports.tables.statistics import FEWEST, unbeaten
 
 KEYS = ("dataset", "regime", "source_pose", "target_pose", "seed", "method")
@@ -70,8 +70,7 @@ def page_json(
 
 def _shown_of_partial(maps: pd.DataFrame) -> list[str]:
     """Columns that are shown at first because the scans of some regime share little surface."""
-    overlap = pd.to_numeric(maps["overlap"], errors="coerce") if "overlap" in maps else pd.Series(dtype=float)
-    little = len(overlap) and (overlap.groupby([maps[name] for name in GROUP]).mean() < LITTLE_SHARED).any()
+    little = "overlap" in maps and share_little(maps).any()
     return ["oracle_mean", "right_limb"] if little else []
 
 

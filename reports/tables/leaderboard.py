@@ -86,8 +86,8 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     by_seed = maps.groupby([*GROUP, "method", "seed"], sort=False)["geodesic_mean"].mean()
     means["spread"] = by_seed.groupby([*GROUP, "method"], sort=False).std()
     result = means.reset_index()
-    shared = maps.groupby(GROUP)["overlap"].mean()
-    little = shared.reindex(pd.MultiIndex.from_frame(result[GROUP])).to_numpy() < LITTLE_SHARED
+    groups = pd.MultiIndex.from_frame(result[GROUP])
+    little = share_little(maps).reindex(groups, fill_value=False).to_numpy()
     result.loc[~little, list(PARTIAL)] = np.nan
     place = {key: i for i, key in enumerate(dict.fromkeys(zip(maps["dataset"], maps["regime"], strict=True)))}
     rank = [place[key] for key in zip(result["dataset"], result["regime"], strict=True)]
@@ -102,6 +102,12 @@ def leaderboard(table: pd.DataFrame, beyond: Collection[str] = ()) -> pd.DataFra
     result = result.sort_values(["_rank", "beyond", "_last", "geodesic_mean"], kind="stable")
     shown = [c.name for c in LEADERBOARD if c.name in result]
     return result[[*shown, "beyond", UNBEATEN]].reset_index(drop=True)
+
+
+def share_little(maps: pd.DataFrame) -> "pd.Series[bool]":
+    """For each group of a table, whether its scans share little surface, `LITTLE_SHARED`."""
+    overlap = pd.to_numeric(maps["overlap"], errors="coerce")
+    return overlap.groupby([maps[name] for name in GROUP]).mean() < LITTLE_SHARED
 
 
 def _unbeaten(maps: pd.DataFrame, board: pd.DataFrame) -> "pd.Series[object]":

@@ -66,10 +66,8 @@ def leaderboard_lines(board: pd.DataFrame, width: int) -> Iterator[str]:
     heads = [f"{row['dataset']}, {row['regime']}" for _, row in board.iterrows()]
     notes = board[NOTE] if NOTE in board else pd.Series(None, board.index, dtype=object)
     marked = [f"{name} {MARK}" if note else name for name, note in zip(board["method"], notes, strict=True)]
-    best = best_cells(board, columns, GROUP)
-    yield from _lines(board.assign(method=marked), columns, heads, best)
-    bold = "bold: not beaten beyond noise" if best else f"bold takes {FEWEST} pairs of poses"
-    yield f"[dim]errors × 100 / √area of the rest pose; {bold}[/]"
+    yield from _lines(board.assign(method=marked), columns, heads, best_cells(board, columns, GROUP))
+    yield f"[dim]errors × 100 / √area of the rest pose; bold: not beaten beyond noise, {FEWEST}+ pairs[/]"
     for head, name, note in zip(heads, board["method"], notes, strict=True):
         if note:
             yield f"[dim]{MARK} not ranked: {escape(printable(f'{head}, {name}: {note}'))}[/]"
