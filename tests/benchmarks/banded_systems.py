@@ -1,4 +1,4 @@
-"""Seconds to solve the normal equations of a deformation graph: ours, banded and dense Cholesky of scipy.
+"""Seconds to solve the normal equations of a deformation graph: envelope, banded and dense Cholesky.
 
 python -m tests.benchmarks.banded_systems
 """
@@ -10,9 +10,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solveh_banded
 
 from medial.matching.neighbourhoods import neighbourhoods
-from medial.matching.registration.banded_cholesky import cholesky_solve
 from medial.matching.registration.deformation_graph import NodeGraph, Pose
 from medial.matching.registration.energy_terms import add_points
+from medial.matching.registration.envelope import cholesky_solve
 from tests.medial.posed import figure
 
 REPEATS = 20
@@ -24,14 +24,16 @@ def system_of(nodes):
     points = cloud.points / np.sqrt(cloud.areas.sum())
     graph, hang = NodeGraph.over(neighbourhoods(cloud), points, np.arange(len(points)), nodes)
     pose = Pose(np.tile(np.eye(3), (len(graph), 1, 1)), graph.rest.copy())
-    size = 6 * len(graph)
-    system, right = np.zeros((size, size)), np.zeros(size)
+    envelope, right = graph.envelope, np.zeros(6 * len(graph))
+    values = envelope.zeros()
     metric = np.tile(np.eye(3) / len(points), (len(points), 1, 1))
     force = np.random.default_rng(0).standard_normal((len(points), 3)) / len(points)
-    add_points(system, right, points, hang.nodes, hang.weights, graph.rest, pose.rotations, metric, force)
-    graph.add_edges(system, right, pose, 0.1)
-    system[np.diag_indices(size)] += 1e-6 * np.trace(system) / size
-    return system, right
+    here = points, hang.nodes, hang.weights, graph.rest, pose.rotations
+    add_points(values, envelope.origin, right, *here, metric, force)
+    graph.add_edges(values, right, pose, 0.1)
+    diagonal = envelope.diagonal
+    values[diagonal] += 1e-6 * values[diagonal].sum() / len(diagonal)
+    return envelope, values, right
 
 
 def as_band(system):
@@ -40,6 +42,10 @@ def as_band(system):
     band = np.zeros((int((rows - columns).max()) + 1, len(system)))
     band[rows - columns, columns] = system[rows, columns]
     return band
+
+
+def enveloped(envelope):
+    return lambda values, right: cholesky_solve(values, right, envelope.lowest, envelope.origin)
 
 
 def banded(band, right):
@@ -52,7 +58,8 @@ def dense(system, right):
 
 def main():
     for nodes in (80, 200):
-        system, right = system_of(nodes)
+        envelope, values, right = system_of(nodes)
+        system = envelope.dense(values)
         exact = dense(system, right)
         rows, columns = np.nonzero(np.tril(system))
         starts = np.zeros(len(system))
@@ -62,7 +69,7 @@ def main():
         )
         band = as_band(system)  # its time does not count
         for name, solve, given in (
-            ("ours", cholesky_solve, system),
+            ("ours", enveloped(envelope), values),
             ("solveh_banded", banded, band),
             ("dense", dense, system),
         ):

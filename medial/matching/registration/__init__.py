@@ -3,7 +3,7 @@
 Read in this order:
 
 * `deformation_graph`: nodes, poses, strain; its compiled parts stand in the modules beside it
-  (`blending`, `energy_terms`, `normal_equations`, `banded_cholesky`, `strongest_paths`),
+  (`blending`, `energy_terms`, `normal_equations`, `envelope`, `strongest_paths`),
 * `fit`: what a deformed cloud is worth; `visibility`: what either scan could have seen of it,
 * `registration`: follow a map, settle by closest points, judge the fit (`rigid_motions`, `closest_points`),
 * `direction`: source onto target, or target onto source; a fit knows its direction,

@@ -26,7 +26,8 @@ from scipy.spatial import cKDTree
 from datasets_gen.points.farthest import farthest_in_embedding
 from datasets_gen.points.neighbours import join_parts, neighbour_pairs
 from medial.matching.registration.blending import blend
-from medial.matching.registration.energy_terms import add_edges
+from medial.matching.registration.energy_terms import add_edges, strain_of_edges
+from medial.matching.registration.envelope import Envelope
 from medial.matching.registration.strongest_paths import strongest_paths
 
 Float = NDArray[np.float64]
@@ -111,6 +112,8 @@ class NodeGraph:
         Weights of the edges; their sum is 1.
     reach : float
         Typical radius of a node's points: what turns rotations into lengths.
+    envelope : Envelope
+        Of the normal equations: nodes that share points or an edge are coupled.
     """
 
     coordinates: Float32
@@ -118,6 +121,7 @@ class NodeGraph:
     edges: Int
     hold: Float
     reach: float
+    envelope: Envelope
 
     @classmethod
     def over(
@@ -150,11 +154,14 @@ class NodeGraph:
         reach = float(np.sqrt(np.median(np.maximum(variance, 0))))
         overlap = (share.T @ share).toarray()
         edges, hold = _edges(overlap / mass.mean(), anchors)
-        order = _along_the_body(overlap, edges)
+        joined = overlap > 0
+        joined[edges[:, 0], edges[:, 1]] = joined[edges[:, 1], edges[:, 0]] = True
+        order = _along_the_body(joined)
+        envelope = Envelope(joined[np.ix_(order, order)].argmax(axis=1))
         rank = np.argsort(order)
         edges = np.sort(rank[edges], axis=1)
         rows = np.lexsort(edges.T[::-1])
-        graph = cls(anchors[order], rest[order], edges[rows], hold[rows], reach)
+        graph = cls(anchors[order], rest[order], edges[rows], hold[rows], reach, envelope)
         return graph, Attachment(rank[attachment.nodes], attachment.weights)
 
     def __len__(self) -> int:
@@ -184,15 +191,14 @@ class NodeGraph:
 
     def strain(self, pose: Pose) -> float:
         """Weighted mean square disagreement of neighbours, in squared units of length."""
-        size = 6 * len(self)
-        return self.add_edges(np.zeros((size, size)), np.zeros(size), pose, 1.0)
+        return float(strain_of_edges(*self._edges_in(pose), BEND))
 
-    def add_edges(self, system: Float, right: Float, pose: Pose, weight: float) -> float:
-        """Add the edges' normal equations, times `weight`; return the strain."""
-        turn, place = pose.rotations, pose.positions
-        return float(
-            add_edges(system, right, self.edges, self.hold, self.rest, turn, place, self.reach, weight, BEND)
-        )
+    def add_edges(self, values: Float, right: Float, pose: Pose, weight: float) -> None:
+        """Add the strain times `weight` to the normal equations: the system's values, and (6 N,)."""
+        add_edges(values, self.envelope.origin, right, *self._edges_in(pose), weight, BEND)
+
+    def _edges_in(self, pose: Pose) -> tuple[Int, Float, Float, Float, Float, float]:
+        return self.edges, self.hold, self.rest, pose.rotations, pose.positions, self.reach
 
 
 def attach(coordinates: Float32, anchors: Float32, influences: int = INFLUENCES) -> Attachment:
@@ -223,10 +229,8 @@ def shares(attachment: Attachment, count: int) -> csr_array:
     return csr_array((attachment.weights.ravel(), attachment.nodes.ravel(), start), shape=(n, count))
 
 
-def _along_the_body(overlap: Float, edges: Int) -> Int:
-    """Order of the nodes in which those that share points or an edge have numbers close to each other."""
-    joined = overlap > 0
-    joined[edges[:, 0], edges[:, 1]] = joined[edges[:, 1], edges[:, 0]] = True
+def _along_the_body(joined: NDArray[np.bool_]) -> Int:
+    """Order of the nodes in which those that are joined, (N, N), have numbers close to each other."""
     return np.asarray(reverse_cuthill_mckee(csr_array(joined), symmetric_mode=True), dtype=np.int64)
 
 

@@ -1,8 +1,8 @@
 """Terms of the deformation energy, added to its normal equations: pulls on points, stiffness of edges.
 
 Compiled. A node moves by six numbers: a turn about three axes and a shift. Only the lower triangle of the
-system is written. A point's derivative by the motion of node k is the lever L_k = w_k [-[y_k]x, I], (3, 6),
-where y_k is the arm from the node to the point and w_k the node's weight.
+system is kept, in the blocks of an `envelope.Envelope`. A point's derivative by the motion of node k is the
+lever L_k = w_k [-[y_k]x, I], (3, 6), where y_k is the arm from the node to the point and w_k its weight.
 """
 
 import numpy as np
@@ -36,7 +36,8 @@ def add_pulls(
 
 @compiled()
 def add_points(
-    system: Float,
+    values: Float,
+    origin: Int,
     right: Float,
     points: Float,
     nodes: Int,
@@ -52,7 +53,8 @@ def add_points(
 
     Parameters
     ----------
-    system : (6 N, 6 N)
+    values, origin
+        Of the system, and where its rows are (`envelope.Envelope`).
     right : (6 N,)
     points : (n, 3)
         At rest.
@@ -77,9 +79,8 @@ def add_points(
             _times_lever(pulled, metric[i], arms[m], w)
             _add_force(right[col : col + 6], force[i], arms[m], w)
             for k in range(influences):
-                row = 6 * nodes[i, k]
-                if row >= col:
-                    _add_block(system[row : row + 6, col : col + 6], pulled, arms[k], weights[i, k])
+                if nodes[i, k] >= nodes[i, m]:
+                    _add_block(values, origin[nodes[i, k]] + 6 * col, pulled, arms[k], weights[i, k])
 
 
 @compiled()
@@ -107,22 +108,52 @@ def _add_force(right: Float, force: Float, y: Float, w: float) -> None:
 
 
 @compiled()
-def _add_block(block: Float, pulled: Float, z: Float, v: float) -> None:
-    """Add L^T (M L_m) of the lever of arm z and weight v, (6, 6)."""
+def _add_block(values: Float, at: int, pulled: Float, z: Float, v: float) -> None:
+    """Add L^T (M L_m) of the lever of arm z and weight v, (6, 6), to the block that starts there."""
     z0, z1, z2 = v * z[0], v * z[1], v * z[2]
     for q in range(6):
         p0, p1, p2 = pulled[0, q], pulled[1, q], pulled[2, q]
-        block[0, q] += z1 * p2 - z2 * p1
-        block[1, q] += z2 * p0 - z0 * p2
-        block[2, q] += z0 * p1 - z1 * p0
-        block[3, q] += v * p0
-        block[4, q] += v * p1
-        block[5, q] += v * p2
+        values[at] += z1 * p2 - z2 * p1
+        values[at + 1] += z2 * p0 - z0 * p2
+        values[at + 2] += z0 * p1 - z1 * p0
+        values[at + 3] += v * p0
+        values[at + 4] += v * p1
+        values[at + 5] += v * p2
+        at += 6
+
+
+@compiled()
+def strain_of_edges(
+    edges: Int, hold: Float, rest: Float, turn: Float, place: Float, reach: float, bend: float
+) -> float:
+    """Disagreement of neighbours, weighted.
+
+    An edge with disagreement e counts 2 b^2 (sqrt(1 + (e / b)^2) - 1) for b = `bend`: like e^2 when small,
+    linear when large, so that a knee may bend sharply instead of spreading its bend over the leg.
+
+    Parameters
+    ----------
+    edges : (E, 2)
+    hold : (E,)
+        Weights of the edges.
+    rest, turn, place : (N, 3), (N, 3, 3), (N, 3)
+        Nodes at rest, their rotations and positions.
+    reach
+        Length that turns angles into lengths.
+    bend
+        b, a length.
+    """
+    gaps, arms, axis, strain = np.zeros((2, 3)), np.zeros((2, 2, 3)), np.zeros(3), 0.0
+    for e in range(len(edges)):
+        square = _disagreement(gaps, arms, axis, edges[e, 0], edges[e, 1], rest, turn, place, reach)
+        strain += hold[e] * 2 * bend**2 * (np.sqrt(1 + square / bend**2) - 1)
+    return strain
 
 
 @compiled()
 def add_edges(
-    system: Float,
+    values: Float,
+    origin: Int,
     right: Float,
     edges: Int,
     hold: Float,
@@ -132,99 +163,93 @@ def add_edges(
     reach: float,
     weight: float,
     bend: float,
-) -> float:
-    """Add the disagreement of neighbours, robustly, and return it (without `weight`).
-
-    An edge with disagreement e counts 2 b^2 (sqrt(1 + (e / b)^2) - 1) for b = `bend`: like e^2 when small,
-    linear when large, so that a knee may bend sharply instead of spreading its bend over the leg.
+) -> None:
+    """Add `weight` times the strain to the system and to the right-hand side.
 
     Parameters
     ----------
-    system : (6 N, 6 N)
+    values, origin
+        Of the system, and where its rows are (`envelope.Envelope`).
     right : (6 N,)
-    edges : (E, 2)
-    hold : (E,)
-        Weights of the edges.
-    rest, turn, place : (N, 3), (N, 3, 3), (N, 3)
-        Nodes at rest, their rotations and positions.
-    reach
-        Length that turns angles into lengths.
+    edges, hold, rest, turn, place, reach, bend
+        As for `strain_of_edges`.
     weight
         Of all edges.
-    bend
-        b, a length.
     """
-    both, gaps = np.zeros((2, 3, 12)), np.zeros((2, 3))
-    arm_i, arm_j, axis = np.zeros(3), np.zeros(3), np.zeros(3)
-    energy = 0.0
+    gaps, arms, axis, both = np.zeros((2, 3)), np.zeros((2, 2, 3)), np.zeros(3), np.zeros((3, 12))
     for e in range(len(edges)):
         i, j = edges[e, 0], edges[e, 1]
-        square = _edge_gaps(both, gaps, arm_i, arm_j, rest, turn, place, i, j)
-        _relative_turn(axis, turn[i], turn[j])
-        for r in range(3):
-            square += (reach * axis[r]) ** 2
-        root = np.sqrt(1 + square / bend**2)
-        energy += hold[e] * 2 * bend**2 * (root - 1)
-        s = weight * hold[e] / root
+        square = _disagreement(gaps, arms, axis, i, j, rest, turn, place, reach)
+        s = weight * hold[e] / np.sqrt(1 + square / bend**2)
         for end in range(2):
-            _add_gap(system, right, both[end], gaps[end], i, j, s)
-        _add_turn(system, right, axis, i, j, s * reach * reach)
-    return energy
+            _lever(both[:, :6], 1.0, arms[end, 0])
+            _lever(both[:, 6:], -1.0, arms[end, 1])
+            _add_gap(values, origin, right, both, gaps[end], i, j, s)
+        _add_turn(values, origin, right, axis, i, j, s * reach * reach)
 
 
 @compiled()
-def _edge_gaps(
-    both: Float,
+def _disagreement(
     gaps: Float,
-    arm_i: Float,
-    arm_j: Float,
+    arms: Float,
+    axis: Float,
+    i: int,
+    j: int,
     rest: Float,
     turn: Float,
     place: Float,
-    i: int,
-    j: int,
+    reach: float,
 ) -> float:
-    """Gaps between where nodes i and j take either one's rest place, their derivatives and squared length.
+    """Squared disagreement of nodes i and j: on where either one's rest place goes, and on how they turn.
 
-    Writes the gaps (2, 3) and their derivatives by the motions of i and j (2, 3, 12).
+    Writes the gaps between where i and j take the two places, (2, 3), the arms from i and from j, (2, 2, 3),
+    and the axis times angle of the turn between them.
     """
     square = 0.0
     for end in range(2):
         x = rest[i] if end == 0 else rest[j]
-        _arm(arm_i, turn[i], x, rest[i])
-        _arm(arm_j, turn[j], x, rest[j])
-        _lever(both[end, :, :6], 1.0, arm_i)
-        _lever(both[end, :, 6:], -1.0, arm_j)
+        _arm(arms[end, 0], turn[i], x, rest[i])
+        _arm(arms[end, 1], turn[j], x, rest[j])
         for r in range(3):
-            gaps[end, r] = arm_i[r] + place[i, r] - arm_j[r] - place[j, r]
+            gaps[end, r] = arms[end, 0, r] + place[i, r] - arms[end, 1, r] - place[j, r]
             square += gaps[end, r] ** 2
+    _relative_turn(axis, turn[i], turn[j])
+    for r in range(3):
+        square += (reach * axis[r]) ** 2
     return square
 
 
 @compiled()
-def _add_turn(system: Float, right: Float, axis: Float, i: int, j: int, s: float) -> None:
+def _add_turn(values: Float, origin: Int, right: Float, axis: Float, i: int, j: int, s: float) -> None:
     """Add s |axis|^2, where the axis is that of the turn between i and j."""
     low, high = min(i, j), max(i, j)
     for r in range(3):
         right[6 * i + r] += s * axis[r]
         right[6 * j + r] -= s * axis[r]
-        system[6 * i + r, 6 * i + r] += s
-        system[6 * j + r, 6 * j + r] += s
-        system[6 * high + r, 6 * low + r] -= s
+        values[origin[i] + 36 * i + 7 * r] += s
+        values[origin[j] + 36 * j + 7 * r] += s
+        values[origin[high] + 36 * low + 7 * r] -= s
 
 
 @compiled()
-def _add_gap(system: Float, right: Float, both: Float, gap: Float, i: int, j: int, s: float) -> None:
+def _add_gap(
+    values: Float, origin: Int, right: Float, both: Float, gap: Float, i: int, j: int, s: float
+) -> None:
     """Add s |gap|^2, where `both` (3, 12) is the derivative of the gap by the motions of i and j."""
     for p in range(12):
-        row = 6 * (i if p < 6 else j) + p % 6
         for r in range(3):
-            right[row] += s * both[r, p] * gap[r]
-        for q in range(12):
-            col = 6 * (i if q < 6 else j) + q % 6
-            if row >= col:
-                for r in range(3):
-                    system[row, col] += s * both[r, p] * both[r, q]
+            right[6 * (i if p < 6 else j) + p % 6] += s * both[r, p] * gap[r]
+    for a in range(2):
+        for b in range(2):
+            row, col = i if a == 0 else j, i if b == 0 else j
+            if row < col:
+                continue
+            at = origin[row] + 36 * col
+            for q in range(6 * b, 6 * b + 6):
+                for p in range(6 * a, 6 * a + 6):
+                    for r in range(3):
+                        values[at] += s * both[r, p] * both[r, q]
+                    at += 1
 
 
 @compiled()

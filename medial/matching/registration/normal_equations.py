@@ -3,19 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from medial.matching.registration.banded_cholesky import cholesky_solve
 from medial.matching.registration.deformation_graph import Attachment, NodeGraph, Pose
 from medial.matching.registration.energy_terms import add_points, add_pulls
+from medial.matching.registration.envelope import solve
 from medial.matching.registration.rigid_motions import turned
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
-
-
-def solve(system: Float, right: Float) -> Float:
-    """Solution of the (slightly damped) normal equations; only the lower triangle is read."""
-    system[np.diag_indices_from(system)] += 1e-6 * np.trace(system) / len(system) + 1e-12
-    return -cholesky_solve(system, right)
 
 
 class NormalEquations:
@@ -53,12 +47,21 @@ class NormalEquations:
 
     def step(self, stiffness: float) -> Pose:
         """The pose after one step, in which neighbouring nodes hold together with a weight."""
-        size = 6 * len(self._graph)
-        system, right = np.zeros((size, size)), np.zeros(size)
-        turn, nodes, weights = self._pose.rotations, self._attachment.nodes, self._attachment.weights
+        envelope, right = self._graph.envelope, np.zeros(6 * len(self._graph))
+        values = envelope.zeros()
         add_points(
-            system, right, self._points, nodes, weights, self._graph.rest, turn, self._metric, self._force
+            values,
+            envelope.origin,
+            right,
+            self._points,
+            self._attachment.nodes,
+            self._attachment.weights,
+            self._graph.rest,
+            self._pose.rotations,
+            self._metric,
+            self._force,
         )
-        self._graph.add_edges(system, right, self._pose, stiffness)
-        change = solve(system, right).reshape(-1, 6)
-        return Pose(turned(turn, change[:, :3]), self._pose.positions + change[:, 3:])
+        self._graph.add_edges(values, right, self._pose, stiffness)
+        change = -solve(values, right, envelope).reshape(-1, 6)
+        turns, shifts = change[:, :3], change[:, 3:]
+        return Pose(turned(self._pose.rotations, turns), self._pose.positions + shifts)

@@ -89,8 +89,10 @@ def _kabsch(
     total = w.sum() + 1e-300
     cx, cy = np.zeros(3), np.zeros(3)
     for i in range(len(x)):
-        cx += w[i] / total * (x[i] + 0.5 * u[i])
-        cy += w[i] / total * (y[i] + 0.5 * v[i])
+        share = w[i] / total
+        for a in range(3):
+            cx[a] += share * (x[i, a] + 0.5 * u[i, a])
+            cy[a] += share * (y[i, a] + 0.5 * v[i, a])
     moment = np.zeros((3, 3))
     for i in range(len(x)):
         for a in range(3):
