@@ -138,10 +138,8 @@ def strain_of_edges(
         Weights of the edges.
     rest, turn, place : (N, 3), (N, 3, 3), (N, 3)
         Nodes at rest, their rotations and positions.
-    reach
-        Length that turns angles into lengths.
-    bend
-        b, a length.
+    reach, bend
+        The length that turns angles into lengths, and b.
     """
     gaps, arms, axis, strain = np.zeros((2, 3)), np.zeros((2, 2, 3)), np.zeros(3), 0.0
     for e in range(len(edges)):
