@@ -59,6 +59,15 @@ LEADERBOARD = (
         about="Lowest mean error that any map can have: from each right point to the nearest scanned one.",
     ),
     Column("excess_mean", "excess", 1, "low", "Mean error above the least one of the same points."),
+    Column(
+        "geodesic_best",
+        "best of all",
+        1,
+        about="Mean error of the best among the map and the alternatives that its method gave with it.",
+    ),
+    Column(
+        "alternatives", "alternatives", 1, about="Other maps that a method gave with its map, mean number."
+    ),
     Column("spread", "±", 1, about="Standard deviation of the mean error over seeds."),
     Column("geodesic_median", "median", 1, "low", "Median over points, mean over maps, × 100 / √area."),
     Column(
@@ -114,7 +123,7 @@ LEADERBOARD = (
 
 PARTIAL = (
     *("oracle_mean", "excess_mean", "gross_rate", "right_limb", "mirror_limb", "medial_path_mean"),
-    "sure_right",
+    *("sure_right", "geodesic_best", "alternatives"),
 )
 """Columns of the leaderboard that are shown for regimes under which the scans share little surface."""
 

@@ -69,7 +69,8 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     ``target_scan``, ``map``, ``reference_scan``, ``reference_medial``.
 
     A point without a match counts like a random one (`with_unmatched`) in every mean, and as wrong in every
-    share; ``matched`` is the share of points that have a match.
+    share; ``matched`` is the share of points that have a match. ``geodesic_best`` is the lowest mean error
+    among the map and the alternatives that its method gave with it.
     """
     collection: Collection = inputs.load("shape")
     reference, found = collection.reference, inputs.load("map")
@@ -77,10 +78,15 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
     picked = _evaluated(len(source), spec)
     start, image = source[picked], found.source_to_target[picked]
     distance, limbs = inputs.derive("shape", reference_ruler)
-    given = correspondence_error(distance, start, target, image, reference.area)
-    least = least_errors(distance, start, target, reference.area)
+    ends = distance, start, target
+    given = correspondence_error(*ends, image, reference.area)
+    least = least_errors(*ends, reference.area)
     random = limbs.remoteness_of(reference, start) / np.sqrt(reference.area)
     errors = with_unmatched(given, random, least)
+    others = [
+        _mean(with_unmatched(correspondence_error(*ends, other[picked], reference.area), random, least))
+        for other in (each.source_to_target for each in found.alternatives)
+    ]
     confident = (found.confidence[picked] >= CONFIDENT) & (image >= 0)
     curve = pck_curve(given)
     there = overlap(start.on(reference), target.on(reference), _radius(reference, len(target)))
@@ -88,6 +94,7 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
         "geodesic_mean": 100 * _mean(errors),
         "geodesic_median": 100 * float(np.median(errors)),
         "geodesic_overlap": 100 * _mean(errors[there]),
+        "geodesic_best": 100 * min([_mean(errors), *others]),
         "oracle_mean": 100 * _mean(least),
         "excess_mean": 100 * _mean(errors - least),
         "gross": _mean(errors) > GROSS_ERROR,
@@ -101,6 +108,8 @@ def score_map(spec: Mapping[str, Any], inputs: Inputs) -> Output:
         "overlap_iou": intersection_over_union(confident, there),
         "overlap": float(there.mean()),
         "distinct": _distinct(found.source_to_target) / min(len(source), len(target)),
+        "probability": found.probability,
+        "alternatives": len(found.alternatives),
         "mirror_check": found.mirror_check,
         "n_points": len(source),
         "source_missing": inputs.note("source_scan")["missing"],

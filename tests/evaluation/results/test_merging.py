@@ -46,6 +46,7 @@ def test_tables_of_earlier_versions_lack_columns_and_can_be_merged(small, halves
     store, old = halves(small)["stores"][0], tmp_path / "old"
     shutil.copytree(store.folder, old)
     late = ["oracle_mean", "excess_mean", "gross", "right_limb", "medial_path_mean", "sure_right"]
+    late += ["geodesic_best", "probability", "alternatives"]
     store.table().drop(columns=late).to_parquet(old / "table.parquet")
     ResultsStore(old).write_run_info(store.run_info())
     table = merge_results([old], tmp_path / "out").table()

@@ -31,5 +31,7 @@ def partial(table):
         "mirror_limb": 0.25,
         "medial_path_mean": 4.0,
         "sure_right": 0.995,
+        "geodesic_best": error - 1,
+        "alternatives": 2.0,
     }
     return table.assign(**{k: np.where(scored, v, np.nan) for k, v in values.items()})

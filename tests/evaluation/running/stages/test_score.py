@@ -1,5 +1,7 @@
 """Scores of maps that are known: the true one, its mirror image and none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from evaluation.methods import dense
 from evaluation.running.stages.interface import Inputs
 from evaluation.running.stages.score import score_map
 from medial import Diffusion
+from medial.matching.result import Alternative
 from scanner_sim import sample
 
 SPEC = {"evaluated": 400, "seed": 0}
@@ -83,9 +86,27 @@ def test_the_mirrored_map_has_the_other_limb_of_every_pair(human, pair):
     assert row["excess_mean"] > 15
 
 
-def test_without_the_mirror_map_nothing_is_said_of_mirror_images(human, pair):
-    from dataclasses import replace
+def test_the_best_of_all_is_an_alternative_where_that_is_better(human, pair):
+    source, target = pair
+    best = nearest(source.true_points, target.true_points)
+    mirrored = nearest(source.true_points * [-1, 1, 1], target.true_points)
+    right, wrong = (dense(each, np.ones(800)) for each in (best, mirrored))
+    alone = [scored(human, source, target, each) for each in (right, wrong)]
+    assert [row["geodesic_best"] for row in alone] == [row["geodesic_mean"] for row in alone]
+    assert [(row["alternatives"], row["probability"]) for row in alone] == [(0, None), (0, None)]
 
+    def with_other(chosen, other):
+        others = (Alternative(0.3, other.source_to_target, other.confidence),)
+        return replace(chosen, probability=0.6, alternatives=others)
+
+    for chosen, other, row in ((right, wrong, alone[0]), (wrong, right, alone[1])):
+        found = scored(human, source, target, with_other(chosen, other))
+        assert (found["alternatives"], found["probability"]) == (1, 0.6)
+        assert found["geodesic_mean"] == row["geodesic_mean"]
+        assert found["geodesic_best"] == alone[0]["geodesic_mean"]
+
+
+def test_without_the_mirror_map_nothing_is_said_of_mirror_images(human, pair):
     source, target = pair
     best = nearest(source.true_points, target.true_points)
     row = scored(replace(human, mirror=None), source, target, dense(best, np.ones(800)))
