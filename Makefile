@@ -30,7 +30,8 @@ $(CORE): pyproject.toml
 	@echo "Installing medialbench into $(VENV) (about 1 GB, a minute or two) ..."
 	@$(BIN)/python -m pip install -q --disable-pip-version-check -e .
 	@echo "Compiling the numerical kernels (once, about a minute) ..."
-	@$(BIN)/python -m medial.precompile
+	@$(BIN)/python -m medial.precompile & first=$$!; \
+		$(BIN)/python -m evaluation.compile_metrics; second=$$?; wait $$first && exit $$second
 	@touch $@
 
 $(DEV): $(CORE)

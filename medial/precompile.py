@@ -4,6 +4,8 @@ Compiled code is kept on disk (see `datasets_gen.compiled`), so set-up can pay f
 the operator and of the matcher otherwise takes about a minute more on one core.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from medial.diffusion import Diffusion
@@ -13,12 +15,14 @@ from medial.operator import OPERATORS
 
 
 def warm_up() -> None:
-    """Build every operator of a small capsule and match it to itself in both ways.
+    """Build every operator of a small capsule, and match it in both ways with few samples and restarts.
 
     Kernels are compiled for arrays that may be written and for those that may not: what a sweep hands to a
     method is of the second kind.
     """
     points, normals = _capsule(1500)
+    default = MatchConfig(samples=120, restarts=2, partners=1, nodes=20, fine_nodes=40, finalists=1)
+    paper = replace(MatchConfig.paper(), samples=100, restarts=1)
     for writable in (True, False):
         points.setflags(write=writable)
         normals.setflags(write=writable)
@@ -27,8 +31,9 @@ def warm_up() -> None:
             for array in vars(diffusion).values():
                 if isinstance(array, np.ndarray):
                     array.setflags(write=writable)
-            for config in (MatchConfig(), MatchConfig.paper()):
-                match(diffusion, diffusion, config)
+            match(diffusion, diffusion, paper)
+            if operator == "medial":
+                match(diffusion, diffusion, default)
 
 
 def _capsule(count: int) -> tuple[np.ndarray, np.ndarray]:
