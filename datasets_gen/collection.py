@@ -1,7 +1,7 @@
 """The `Collection` type: the poses of one subject, with the file that the cache and the results share."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.mesh_placement import MeshPlacement
+from datasets_gen.paths import check_text
 from datasets_gen.record_arrays import check_ids, check_layout, check_values
 from datasets_gen.records import InputError, load_record, save_record, unpacking
 from datasets_gen.shape import Shape
@@ -58,7 +59,8 @@ class Collection:
     truth: bool = True
 
     def __post_init__(self) -> None:
-        """Check that connectivity is shared, or bridged by a placement."""
+        """Check the names, and that connectivity is shared, or bridged by a placement."""
+        check_names(self.subject, self.poses)
         for shape in self.shapes:
             placement = self.placements.get(shape.pose)
             if placement is not None:
@@ -213,6 +215,13 @@ class Collection:
             rest, mirror = shapes[meta["reference"]], arrays.get("mirror")
             remarks, truth = tuple(meta.get("remarks", ())), meta.get("truth", True)
             return cls(meta["subject"], chosen, rest, mirror, placements, remarks, truth)
+
+
+def check_names(subject: str, poses: Iterable[str]) -> None:
+    """Raise InputError if the name of a subject or a pose holds what no table can (`paths.check_text`)."""
+    check_text(subject, "subject")
+    for pose in poses:
+        check_text(pose, "pose")
 
 
 def no_truth(subject: str) -> str:

@@ -61,7 +61,9 @@ def digest_files(*paths: Path, root: Path | None = None) -> str:
     total = hashlib.sha256()
     for path in sorted(paths):
         name = path.name if root is None else path.relative_to(root).as_posix()
-        total.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+        total.update(
+            name.encode("utf-8", "surrogatepass") + b"\0" + hashlib.sha256(path.read_bytes()).digest()
+        )
     return total.hexdigest()
 
 

@@ -21,6 +21,25 @@ DEVICES = frozenset(
     ["con", "prn", "aux", "nul", *(f"{name}{i}" for name in ("com", "lpt") for i in range(10))]
 )
 """Names that Windows keeps for devices, whatever the suffix."""
+HARMFUL = frozenset("\0\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+"""Not in names: NUL, which few readers of tables take, and what turns the direction of other words."""
+NO_CHARACTERS = range(0xD800, 0xE000)
+"""Surrogates: what Python makes of bytes of a file's name that are not UTF-8."""
+
+
+def check_text(text: str, what: str) -> None:
+    """Raise InputError if a name cannot be written into a table and read again.
+
+    Parameters
+    ----------
+    text
+    what
+        What it is a name of, for the message.
+    """
+    for c in text:
+        if c in HARMFUL or ord(c) in NO_CHARACTERS:
+            why = " (no UTF-8)" if ord(c) in NO_CHARACTERS else ""
+            raise InputError(f"the {what} {text!r} holds {c!r}{why}; rename it")
 
 
 def safe_name(text: str) -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from datasets_gen.bodies.built_in import BODIES, is_held_out, load_body, outline_body
-from datasets_gen.collection import Collection
+from datasets_gen.collection import Collection, check_names
 from datasets_gen.collections import animals, anny_files
 from datasets_gen.collections.animals import load_animal, outline_animal
 from datasets_gen.collections.anny import load_anny, outline_anny
@@ -196,10 +196,13 @@ def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
     """
     _check_name(name)
     if str(name) in SOURCES:
-        return _called(SOURCES[str(name)].outline, str(name), options)
-    if str(name) and is_data(Path(name)):
-        return _called(layout_of(Path(name)).outline, str(name), options)
-    raise _unknown(name)
+        found = _called(SOURCES[str(name)].outline, str(name), options)
+    elif str(name) and is_data(Path(name)):
+        found = _called(layout_of(Path(name)).outline, str(name), options)
+    else:
+        raise _unknown(name)
+    check_names(found["subject"], found["poses"])
+    return found
 
 
 def _reported(collection: Collection) -> Collection:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from datasets_gen.points.normals import pca, spanning_tree
 from datasets_gen.points.outside import outward_field, winding_numbers
 from datasets_gen.points.strays import nearest_kept, stray_points
+from datasets_gen.records import InputError
 from medial.sides import Neighbours
 
 log = logging.getLogger(__name__)
@@ -56,6 +57,8 @@ COLOURS_FIT = 0.8
 """Normals without a negative component are colours if they fit less than this."""
 IN_DOUBT = 0.1
 """Share of estimated normals in doubt that is worth saying."""
+ON_A_LINE = 1e-5
+"""Largest sine between directions that count as one: rounding of single precision is below it."""
 
 
 def estimate_normals(points: Float) -> Float:
@@ -75,21 +78,43 @@ def estimate_normals(points: Float) -> Float:
     Raises
     ------
     InputError
-        If there are fewer than two points.
+        If there are fewer than two points, or some more that all lie on one line.
     """
+    if len(points) >= FEWEST_POINTS:
+        _check_line(points)
+    return _estimated(points)
+
+
+def _estimated(points: Float) -> Float:
+    """As `estimate_normals`; points on a line get any normals across it."""
     stray = stray_points(points)
     if stray.any():
         rest = np.asarray(points[~stray])
-        return estimate_normals(rest)[nearest_kept(points, stray)]
+        return _estimated(rest)[nearest_kept(points, stray)]
     places, index = np.unique(points, axis=0, return_inverse=True)
     if 1 < len(places) < len(points):  # copies of a point are no neighbours: they span no plane
-        return estimate_normals(places)[index.ravel()]
+        return _estimated(places)[index.ravel()]
     neighbours = min(NEIGHBOURS, max(1, len(points) - 1))
     oriented = spanning_tree(points, pca(points, neighbours), neighbours)
     doubt = float((np.einsum("ij,ij->i", oriented, outward_field(points)) < 0).mean())
     if doubt > IN_DOUBT:
         log.warning("the side of %.0f %% of the estimated normals is in doubt", 100 * doubt)
     return oriented
+
+
+def _check_line(points: Float) -> None:
+    """Raise InputError if all points (n, 3) lie on one line, as seen from their median: it has no normals.
+
+    Directions do not see how far a point is away, so that a stray one makes no line of a body.
+    """
+    spokes = points - np.median(points, axis=0)
+    length = np.linalg.norm(spokes, axis=1)
+    far = (length >= np.median(length)) & (length > 0)
+    directions = spokes[far] / length[far, None]
+    if far.any() and np.linalg.norm(np.cross(directions, directions[0]), axis=1).max() < ON_A_LINE:
+        raise InputError(
+            f"all {len(points)} points lie on one line, which has no normals; give a scan of a surface"
+        )
 
 
 def check_normals(points: Float, normals: Float) -> Float:
@@ -110,7 +135,7 @@ def check_normals(points: Float, normals: Float) -> Float:
     reason = misfit(points, normals)
     if reason:
         log.warning("the normals do not belong to the points (%s): estimated anew", reason)
-        return estimate_normals(points)
+        return _estimated(points)
     return turned_outward(points, normals)
 
 

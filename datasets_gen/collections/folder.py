@@ -92,6 +92,10 @@ def load_folder(
         for pose in order
     ]
     check_shared(shapes, files)
+    for what, there in (("vertices", len(shapes[0].vertices)), ("faces", len(shapes[0].faces))):
+        if manifest.get(what, there) != there:
+            said = f"{str(root / MANIFEST)!r} says {manifest[what]!r} {what}, the files have {there}"
+            raise InputError(f"{said}; correct or remove it")
     sound = admitted(shapes, repair)
     by_pose, remarks = dict(zip(order, sound, strict=True)), poses_report(shapes, sound)
     chosen, first = tuple(by_pose[p] for p in wanted), by_pose[rest]

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from datasets_gen.collections.layouts import is_data
+from datasets_gen.paths import check_text
 from datasets_gen.registry import names
 from datasets_gen.values import check_count, check_seed
 from evaluation.experiment.config_sections import (
@@ -37,8 +38,6 @@ from evaluation.experiment.toml_tables import (
 )
 from medial.departures import Departures
 
-HARMFUL = frozenset("\0\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-"""Not in labels: NUL, which few readers of tables take, and what turns the direction of other words."""
 LONGEST = 1e7
 """Largest time-out of a task, seconds: four months."""
 
@@ -83,8 +82,7 @@ class Experiment:
         labels = [method.label for method in self.method]
         for label in labels:
             expect(bool(label.strip()), "a method's label is empty; give one")
-            hidden = sorted(HARMFUL & set(label))
-            expect(not hidden, f"the label {label!r} holds {hidden and hidden[0]!r}; leave it out")
+            check_text(label, "label")
             expect(labels.count(label) == 1, f"two methods are called {label!r}; give each its own label")
         self.stability_conditions()
         self.regimes()

@@ -105,7 +105,8 @@ class Attempt:
         self._second.cancel()
         faulthandler.cancel_dump_traceback_later()
         faulthandler.disable()
-        self._stream.close()
+        with contextlib.suppress(OSError):  # a method may have closed it
+            self._stream.close()
         self.clear()
 
     def clear(self) -> None:

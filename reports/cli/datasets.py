@@ -120,6 +120,7 @@ def _show(collection: "Collection", quiet: bool) -> None:
     from rich.markup import escape
 
     from datasets_gen.meshes.soundness import edge_stretch
+    from evaluation.results.outcome import printable
 
     rest = collection.reference
     for shape in collection.shapes:
@@ -131,9 +132,9 @@ def _show(collection: "Collection", quiet: bool) -> None:
         else:
             line = edge_stretch(shape, rest).line
         told = "" if quiet else f"  {line}"
-        print_lines([escape(shape.name + told)])
+        print_lines([escape(printable(shape.name) + told)])
     size = f"{len(rest.vertices):,} vertices, {len(rest.faces):,} faces"
     if collection.truth:
         say(quiet, f"{size}, rest pose {rest.pose!r}; edges against those of the rest pose")
     for remark in collection.remarks:
-        say(quiet, remark)
+        say(quiet, printable(remark))

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from evaluation.compile_metrics import warm_up
 from evaluation.metrics import geodesic, nearest_place
 from evaluation.metrics.geodesic import SurfaceDistance
-from evaluation.compile_metrics import warm_up
 from evaluation.running.read_only import read_only
 from scanner_sim import sample
 from tests.evaluation.meshes import blob

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import medialbench as mb
+from datasets_gen import InputError
 from medial.outward import check_normals, estimate_normals, misfit, outward_share
 from tests.medial import clouds
 
@@ -171,3 +172,20 @@ def test_noisy_normals_and_points_are_left_alone(partial, caplog):
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     assert check_normals(points, normals) is normals
     assert caplog.text == ""
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_points_on_a_line_are_refused(kind):
+    along = np.random.default_rng(0).standard_normal(200)
+    line = np.add(np.outer(along, [1.0, -2.0, 0.5]), [0.3, 0.1, 1.0]).astype(kind)
+    with pytest.raises(InputError, match="all 200 points lie on one line"):
+        estimate_normals(line.astype(np.float64))
+
+
+def test_a_stray_point_and_a_thin_body_make_no_line():
+    random = np.random.default_rng(1)
+    body = random.standard_normal((200, 3))
+    body[7] = [1e8, 0, 0]
+    assert len(estimate_normals(body)) == 200
+    thin = random.standard_normal((200, 3)) * [1, 1e-3, 1e-3]
+    assert len(estimate_normals(thin)) == 200

@@ -282,3 +282,34 @@ def test_poses_that_differ_in_case_alone_are_not_written(tmp_path):
     with pytest.raises(InputError, match="would be one file"):
         write_collection(Collection("ball", shapes, shapes[0]), tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", ["caf\udce9", "a\u202eb"])
+def test_names_that_no_table_can_hold_are_refused(folder, name):
+    (folder / "pose2.ply").rename(folder / f"{name}.ply")
+    for function in (load, outline, load_folder):
+        with pytest.raises(InputError, match=r"the pose '.*' holds '.*rename it") as refused:
+            function(folder)
+        str(refused.value).encode()  # can be written anywhere
+
+
+def test_names_in_a_manifest_are_checked_too(folder):
+    write_collection(load(folder), folder)
+    path = folder / "manifest.json"
+    manifest = json.loads(path.read_text())
+    path.write_text(json.dumps(manifest | {"subject": "a\ud800"}))
+    for function in (load, outline):
+        with pytest.raises(InputError, match=r"the subject .* holds .*no UTF-8"):
+            function(folder)
+
+
+@pytest.mark.parametrize("what", ["vertices", "faces"])
+def test_a_manifest_of_other_meshes_is_refused(folder, what):
+    write_collection(load(folder), folder)
+    path = folder / "manifest.json"
+    manifest = json.loads(path.read_text())
+    path.write_text(json.dumps(manifest | {what: manifest[what] + 1}))
+    with pytest.raises(
+        InputError, match=f"says {manifest[what] + 1} {what}, the files have {manifest[what]}"
+    ):
+        load(folder)
