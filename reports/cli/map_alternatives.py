@@ -103,11 +103,12 @@ def said_of_alternatives(
     for number, each in enumerate(found.alternatives):
         place = f"; written to {written[number]}" if written else ""
         share = sent_elsewhere(found.source_to_target, each.source_to_target, target)
-        other = f"  another one {each.probability:.2f}, which sends {share:.0%} of the points elsewhere"
+        differs = f"by over {ELSEWHERE:.0%} of the target's size at {share:.0%} of the points"
+        other = f"  another one {each.probability:.2f}, which differs {differs}"
         lines.append(f"{other}{place}{', with its picture' if drawn else ''}")
     rest = 1 - found.probability - sum(each.probability for each in found.alternatives)
     if rest >= 0.005:
-        lines.append(f"  still others, or none: these may be different shapes, {rest:.2f}")
+        lines.append(f"  {rest:.2f} that it is a less likely one, or none that was found")
     if found.alternatives and not written:
         lines.append("  --alternatives writes the other ones")
     return lines

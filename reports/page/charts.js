@@ -125,7 +125,7 @@ const Charts = (() => {
       return { name: m.name, color: m.color, dots, line: medians(dots).map((p) => [p[0], p[1], `${m.name}, ${p[2]}`]) };
     }).filter((s) => s.dots.length);
     chart(host, { series, title: "Error against missing surface", x: { label: "missing surface, % (mean of both scans)", ...range(rows.map((r) => r.missing)) },
-      y: { label: "mean error × 100 / √area", log: true, ...range(rows.map((r) => r.geodesic_mean), true) } });
+      y: { label: "mean error × 100 / √area (log)", log: true, ...range(rows.map((r) => r.geodesic_mean), true) } });
   }
 
   function pckChart(host, group) {

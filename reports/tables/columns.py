@@ -61,7 +61,7 @@ LEADERBOARD = (
     Column("excess_mean", "excess", 1, "low", "Mean error above the least one of the same points."),
     Column(
         "geodesic_best",
-        "best of all",
+        "with alternatives",
         1,
         about="Mean error of the best among the map and the alternatives that its method gave with it.",
     ),

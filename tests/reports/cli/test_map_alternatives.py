@@ -78,7 +78,7 @@ def test_an_input_is_not_overwritten(clouds, found, tmp_path):
 def test_it_is_said_what_is_open_and_how_to_see_it(found):
     first, second, last = said_of_alternatives(found, LINE, [])
     assert first.endswith("its probability is 0.60")
-    assert second == "  another one 0.40, which sends 95% of the points elsewhere"
+    assert second == "  another one 0.40, which differs by over 5% of the target's size at 95% of the points"
     assert "--alternatives" in last
     drawn = said_of_alternatives(found, LINE, [Path("m-2.npz")], drawn=True)
     assert drawn[1] == second + "; written to m-2.npz, with its picture"
