@@ -108,7 +108,7 @@ def said_of_alternatives(
         lines.append(f"{other}{place}{', with its picture' if drawn else ''}")
     rest = 1 - found.probability - sum(each.probability for each in found.alternatives)
     if rest >= 0.005:
-        lines.append(f"  {rest:.2f} that it is a less likely one, or none that was found")
+        lines.append(f"  a less likely one, or none that was found: {rest:.2f}")
     if found.alternatives and not written:
         lines.append("  --alternatives writes the other ones")
     return lines
