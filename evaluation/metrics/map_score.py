@@ -1,6 +1,6 @@
 """The error of a map between meshes that was made anywhere, against a ground truth in a file."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,14 @@ from datasets_gen.shape import Shape
 from evaluation.metrics.correspondence import (
     SurfacePoints,
     area_under_curve,
+    least_errors,
     pck_curve,
     symmetric_mean,
     with_unmatched,
 )
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.limbs import remoteness
+from scanner_sim import Scan
 
 LEVELS = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
 """Errors at which the share of points below is told, in sqrt(area)."""
@@ -43,6 +45,8 @@ class MapScore:
         The lower of the mean errors to the truth and to its mirror image.
     flipped : bool or None
         Whether that is the mirror image's.
+    least : float or None
+        The least mean error that a map between two scans can have, in sqrt(area).
     """
 
     source_ids: NDArray[np.int64]
@@ -51,6 +55,7 @@ class MapScore:
     elsewhere: int = 0
     symmetric: float | None = None
     flipped: bool | None = None
+    least: float | None = None
 
     @property
     def matched(self) -> float:
@@ -65,6 +70,7 @@ class MapScore:
             "points": len(self.errors),
             "matched %": 100 * self.matched,
             "mean": 100 * float(self.counted.mean()),
+            **({} if self.least is None else {"least mean": 100 * self.least}),
             "median": 100 * float(np.median(self.counted)),
             "max": 100 * float(self.counted.max()),
             **{f"PCK {100 * at:g} %": 100 * float(b) for at, b in zip(LEVELS, below, strict=True)},
@@ -118,6 +124,46 @@ def score_map(
     other = _errors(found, mirrored, picked, target, distance, field, float(size))[1]
     mean, flipped = symmetric_mean(float(counted.mean()), float(other.mean()))
     return MapScore(picked, errors, counted, elsewhere, mean, flipped)
+
+
+def score_scans(
+    found: PointMap, source: Scan, target: Scan, mesh: Shape, area: float | None = None
+) -> MapScore:
+    """Score a map between two scans of one subject by where their points lie on its mesh.
+
+    Parameters
+    ----------
+    found
+        For each point of the source scan a point of the target scan.
+    source, target
+    mesh
+        Any pose of the subject: distances are measured on it.
+    area
+        As for `score_map`.
+
+    Raises
+    ------
+    InputError
+        If the map is not between these scans, or the scans are of other meshes.
+    """
+    if len(found) != len(source) or found.weights is not None:
+        raise InputError(
+            f"the map has {len(found)} points, the source scan {len(source)}; give its two scans"
+        )
+    found.check_target(len(target), 0, "the map")
+    for scan in (source, target):
+        if scan.face_ids.min() < 0 or scan.face_ids.max() >= len(mesh.faces):
+            raise InputError(
+                f"the scan of {scan.shape_name!r} names faces {scan.face_ids.min()} to {scan.face_ids.max()} "
+                f"of a mesh of {len(mesh.faces)}; give a pose of the subject that was scanned"
+            )
+    ids = np.where(found.matched, target.face_ids[found.ids], -1).astype(np.int64)
+    weights = np.where(found.matched[:, None], target.barycentrics[found.ids], 0.0)
+    truth = PointMap(source.face_ids.astype(np.int64), source.barycentrics)
+    score = score_map(PointMap(ids, weights, found.confidence), truth, mesh, area=area)
+    start, reached = (SurfacePoints(each.face_ids, each.barycentrics) for each in (source, target))
+    size = mesh.area if area is None else area
+    return replace(score, least=float(least_errors(SurfaceDistance(mesh), start, reached, size).mean()))
 
 
 def truth_of_pair(source: PointMap, target: PointMap, vertices: int) -> PointMap:

@@ -30,6 +30,14 @@ if TYPE_CHECKING:
     "target, as a pair of .vts files. Without it, vertex i of the target is right for point i.",
 )
 @click.option(
+    "--scans",
+    nargs=2,
+    metavar="SOURCE TARGET",
+    type=click.Path(path_type=Path),
+    help="The two scans between which MAP leads, files of `medialbench scan`: they hold the truth, and MESH "
+    "is any pose of their subject.",
+)
+@click.option(
     "--mirrored",
     multiple=True,
     metavar="FILE",
@@ -53,6 +61,7 @@ def score(
     correspondence: Path,
     target: Path,
     truth: tuple[Path, ...],
+    scans: tuple[Path, Path] | None,
     mirrored: tuple[Path, ...],
     first_id: int | None,
     area: float | None,
@@ -69,21 +78,27 @@ def score(
     for each, option in ((truth, "--truth"), (mirrored, "--mirrored")):
         if len(each) > 2:
             raise click.UsageError(f"{option} can be given twice at most: template to source, and to target")
+    if scans and (truth or mirrored):
+        raise click.UsageError("--scans holds the truth; leave out --truth and --mirrored")
     if mirrored and len(mirrored) != len(truth):
         raise click.UsageError("--mirrored takes as many files as --truth")
     from reports.cli.output_paths import check_output_file
 
     if out is not None:
-        check_output_file(out, (".csv",), (correspondence, target, *truth, *mirrored))
+        check_output_file(out, (".csv",), (correspondence, target, *truth, *mirrored, *(scans or ())))
     from datasets_gen.checks import scannable
     from datasets_gen.correspondences.reading import read_map
     from datasets_gen.meshes.files import read_mesh
-    from evaluation.metrics.map_score import score_map
+    from evaluation.metrics.map_score import score_map, score_scans
+    from scanner_sim import Scan
 
     found = read_map(correspondence, first_id)
     mesh = scannable(read_mesh(target))
-    right, other = _truth(truth, found, mesh), _truth(mirrored, found, mesh) if mirrored else None
-    result = score_map(found, right, mesh, other, area)
+    if scans:
+        result = score_scans(found, Scan.load(scans[0]), Scan.load(scans[1]), mesh, area)
+    else:
+        right, other = _truth(truth, found, mesh), _truth(mirrored, found, mesh) if mirrored else None
+        result = score_map(found, right, mesh, other, area)
     if out is not None:
         _write(out, result.source_ids.tolist(), (100 * result.errors).tolist())
     console = result_console()

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 import trimesh
 from click.testing import CliRunner
+from scipy.spatial import cKDTree
 
+from datasets_gen import load, write_mesh
 from reports.cli.main import cli
+from scanner_sim import sample
 
 
 @pytest.fixture
@@ -58,3 +61,33 @@ def test_what_is_missing_is_said_in_one_line(sphere, tmp_path):
     result, _ = scored(tmp_path / "b.map", "--target", sphere)
     assert "the map has 5 points and the target 642 vertices" in result.output
     assert "--truth" in result.output
+
+
+def test_scans_hold_the_truth_of_a_map_between_them(tmp_path):
+    body = load("dumbbell")
+    write_mesh(body.reference, tmp_path / "rest.ply")
+    source, target = (sample(body.reference, count, seed=count) for count in (300, 200))
+    source.save(tmp_path / "a.npz")
+    target.save(tmp_path / "b.npz")
+    nearest = cKDTree(target.true_points).query(source.true_points)[1]
+    np.save(tmp_path / "near.npy", nearest)
+    np.save(tmp_path / "far.npy", np.roll(nearest, 7))
+    np.save(tmp_path / "some.npy", np.where(np.arange(300) % 3 == 0, -1, nearest))
+    scans = "--target", tmp_path / "rest.ply", "--scans", tmp_path / "a.npz", tmp_path / "b.npz"
+    tables = {}
+    for name in ("near", "far", "some"):
+        result, tables[name] = scored(tmp_path / f"{name}.npy", *scans)
+        assert result.exit_code == 0, result.output
+    least = float(tables["near"]["least mean"])
+    assert 0 < least <= float(tables["near"]["mean"]) < 1.2 * least
+    assert float(tables["far"]["mean"]) > 5 * least
+    assert tables["far"]["least mean"] == tables["near"]["least mean"]
+    assert tables["some"]["matched %"] == "66.667"
+    result, _ = scored(tmp_path / "near.npy", *scans, "--truth", tmp_path / "near.npy")
+    assert "leave out --truth" in result.output
+    np.save(tmp_path / "short.npy", nearest[:9])
+    result, _ = scored(tmp_path / "short.npy", *scans)
+    assert "the map has 9 points, the source scan 300" in result.output
+    np.save(tmp_path / "beyond.npy", nearest + 200)
+    result, _ = scored(tmp_path / "beyond.npy", *scans)
+    assert "of a target of 200 points" in result.output
