@@ -1,6 +1,6 @@
 """The error of a map between meshes that was made anywhere, against a ground truth in a file."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +86,7 @@ def score_map(
     target: Shape,
     mirrored: PointMap | None = None,
     area: float | None = None,
+    reached: SurfacePoints | None = None,
 ) -> MapScore:
     """Score a map of vertices against the truth.
 
@@ -101,6 +102,8 @@ def score_map(
         The truth's mirror image, for the symmetric error: one choice for the whole map.
     area
         Errors are divided by its square root. Default: the area of the target.
+    reached
+        The places that a map can lead to, for the least error.
 
     Raises
     ------
@@ -115,15 +118,19 @@ def score_map(
     if not len(picked):
         raise InputError("the ground truth holds no point; give one that does")
     distance = SurfaceDistance(target)
-    field, size = remoteness(target, distance), np.sqrt(target.area if area is None else area)
+    area = target.area if area is None else area
+    field, size = remoteness(target, distance), np.sqrt(area)
     errors, counted, elsewhere = _errors(found, truth, picked, target, distance, field, float(size))
+    least = None
+    if reached is not None:
+        least = float(least_errors(distance, places(truth, target, picked), reached, area).mean())
     if mirrored is None:
-        return MapScore(picked, errors, counted, elsewhere)
+        return MapScore(picked, errors, counted, elsewhere, least=least)
     if len(mirrored) != len(truth) or not mirrored.matched[picked].all():
         raise InputError("the mirrored ground truth lacks points that the ground truth has")
     other = _errors(found, mirrored, picked, target, distance, field, float(size))[1]
     mean, flipped = symmetric_mean(float(counted.mean()), float(other.mean()))
-    return MapScore(picked, errors, counted, elsewhere, mean, flipped)
+    return MapScore(picked, errors, counted, elsewhere, mean, flipped, least)
 
 
 def score_scans(
@@ -160,10 +167,8 @@ def score_scans(
     ids = np.where(found.matched, target.face_ids[found.ids], -1).astype(np.int64)
     weights = np.where(found.matched[:, None], target.barycentrics[found.ids], 0.0)
     truth = PointMap(source.face_ids.astype(np.int64), source.barycentrics)
-    score = score_map(PointMap(ids, weights, found.confidence), truth, mesh, area=area)
-    start, reached = (SurfacePoints(each.face_ids, each.barycentrics) for each in (source, target))
-    size = mesh.area if area is None else area
-    return replace(score, least=float(least_errors(SurfaceDistance(mesh), start, reached, size).mean()))
+    reached = SurfacePoints(target.face_ids, target.barycentrics)
+    return score_map(PointMap(ids, weights, found.confidence), truth, mesh, area=area, reached=reached)
 
 
 def truth_of_pair(source: PointMap, target: PointMap, vertices: int) -> PointMap:
