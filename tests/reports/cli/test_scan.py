@@ -1,6 +1,6 @@
 """Scanning meshes; bad input ends in one line with nothing written."""
 
-import sys
+import importlib
 
 import numpy as np
 import pytest
@@ -193,7 +193,7 @@ def test_an_open_surface_is_scanned_and_its_boundary_said(tmp_path):
 
 
 def test_a_huge_scan_suggests_to_keep_fewer_points(mesh_file, tmp_path, monkeypatch):
-    command = sys.modules["reports.cli.scan"]
+    command = importlib.import_module("reports.cli.scan")  # as an attribute, `scan` is the command
     monkeypatch.setattr(command, "HUGE", 500)
     many = run("scan", mesh_file, "-o", tmp_path / "s.npz", *SMALL)
     assert "points are many: --points 20000 keeps" in many.output
