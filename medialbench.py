@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from datasets_gen import Collection, InputError, Shape
     from medial import Departures, Diffusion, MatchConfig, Matching
+    from reports.ground_truth import score
     from scanner_sim import Scan
 
     __version__: str
@@ -44,15 +45,16 @@ __all__ = [
     "plot",
     "sample",
     "scan",
+    "score",
     "symmetry",
 ]
 
 _HOMES = dict.fromkeys(("Departures", "Diffusion", "MatchConfig", "Matching"), "medial")
-_HOMES |= {"InputError": "datasets_gen", "Scan": "scanner_sim"}
+_HOMES |= {"InputError": "datasets_gen", "Scan": "scanner_sim", "score": "reports.ground_truth"}
 
 
 def __getattr__(name: str) -> Any:
-    """Give a class, or the version, when it is asked for."""
+    """Give a class, `score` or the version when it is asked for."""
     if name in _HOMES:
         return getattr(import_module(_HOMES[name]), name)
     if name == "__version__":
@@ -136,10 +138,8 @@ def sample(mesh: Any, points: int, *, seed: int = 0) -> "Scan":
 
     Parameters
     ----------
-    mesh, seed
-        As for `scan`.
-    points
-        Number of points, at least 1.
+    mesh, points, seed
+        As for `scan`; at least 1 point.
 
     Returns
     -------

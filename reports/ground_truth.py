@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen import Collection, InputError, Shape
+from datasets_gen.correspondences.point_map import PointMap
 from datasets_gen.meshes.geometry import face_normals
 from evaluation.metrics.correspondence import SurfacePoints, correspondence_error
 from evaluation.metrics.diffusion_error import diffusion_error
 from evaluation.metrics.geodesic import SurfaceDistance
+from evaluation.metrics.map_score import MapScore, score_scans
 from medial import Diffusion, Matching
 from reports.given_clouds import check_pair
 from scanner_sim import Scan, sample
@@ -87,6 +89,33 @@ def geodesic_error_of_map(
     check_pair(matching, source, target)
     distance = SurfaceDistance(rest)
     return 100 * correspondence_error(distance, here, there, matching.source_to_target, rest.area)
+
+
+def score(matching: Matching, source: Scan, target: Scan, body: Collection | Shape) -> MapScore:
+    """Say how right a map between two scans is, and how right it could be.
+
+    Parameters
+    ----------
+    matching, source, target, body
+        As for `medialbench.geodesic_error`. Only a `Collection` knows which limbs mirror each other.
+
+    Returns
+    -------
+    MapScore
+        ``summary()`` has the numbers by name: mean error, the least one that these scans allow, shares of
+        points below some errors, and of limbs on the right limb and on its mirror image.
+
+    Raises
+    ------
+    InputError
+        If a scan has no ground truth or is of another body, or the map is not between these scans.
+    """
+    for scan, name in ((source, "source"), (target, "target")):
+        places_on(body, scan, name)
+    check_pair(matching, source, target)
+    found = PointMap(matching.source_to_target, confidence=matching.confidence)
+    mirror = body.mirror if isinstance(body, Collection) else None
+    return score_scans(found, source, target, rest_pose(body), mirror=mirror)
 
 
 def diffusion_error_of_scan(

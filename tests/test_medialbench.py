@@ -86,6 +86,11 @@ def test_the_first_hour(body, scans, tmp_path):
     assert straight.mean() < 6  # of a random map 42
     assert (errors >= straight - 1e-9).all()
     assert errors.mean() < 1.1 * straight.mean()
+    told = mb.score(found, a, b, body)
+    np.testing.assert_allclose(100 * told.errors, errors)
+    assert 0 < 100 * told.least < errors.mean()
+    assert told.right_limb == 1.0  # of the club's two ends
+    assert told.mirror_limb in (None, 0.0)
     mb.plot(found, a, b).savefig(tmp_path / "map.png")
     assert (tmp_path / "map.png").read_bytes()[:4] == b"\x89PNG"
 

@@ -1,6 +1,6 @@
 """The error of a map between meshes that was made anywhere, against a ground truth in a file."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from evaluation.metrics.correspondence import (
     with_unmatched,
 )
 from evaluation.metrics.geodesic import SurfaceDistance
-from evaluation.metrics.limbs import remoteness
+from evaluation.metrics.limbs import Limbs, find_limbs, limb_shares
 from scanner_sim import Scan
 
 LEVELS = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
@@ -47,6 +47,9 @@ class MapScore:
         Whether that is the mirror image's.
     least : float or None
         The least mean error that a map between two scans can have, in sqrt(area).
+    right_limb, mirror_limb : float or None
+        Shares of the limbs that are mapped to the right limb and to its mirror image
+        (`evaluation.metrics.limbs.limb_shares`); None if the body has none, or its mirror map is unknown.
     """
 
     source_ids: NDArray[np.int64]
@@ -56,6 +59,8 @@ class MapScore:
     symmetric: float | None = None
     flipped: bool | None = None
     least: float | None = None
+    right_limb: float | None = None
+    mirror_limb: float | None = None
 
     @property
     def matched(self) -> float:
@@ -77,6 +82,8 @@ class MapScore:
             "AUC": 100 * area_under_curve(curve),
             **({} if self.symmetric is None else {"symmetric mean": 100 * self.symmetric}),
             **({} if self.flipped is None else {"flipped": self.flipped}),
+            **({} if self.right_limb is None else {"limbs right %": 100 * self.right_limb}),
+            **({} if self.mirror_limb is None else {"limbs mirrored %": 100 * self.mirror_limb}),
         }
 
 
@@ -87,6 +94,7 @@ def score_map(
     mirrored: PointMap | None = None,
     area: float | None = None,
     reached: SurfacePoints | None = None,
+    mirror: NDArray[np.int64] | None = None,
 ) -> MapScore:
     """Score a map of vertices against the truth.
 
@@ -103,7 +111,9 @@ def score_map(
     area
         Errors are divided by its square root. Default: the area of the target.
     reached
-        The places that a map can lead to, for the least error.
+        The places that a map can lead to, for the least error. Default: all, and no least error.
+    mirror : (v,) or None
+        Vertex of the target that mirrors each vertex, for the limbs.
 
     Raises
     ------
@@ -117,24 +127,36 @@ def score_map(
     picked = np.flatnonzero(truth.matched)
     if not len(picked):
         raise InputError("the ground truth holds no point; give one that does")
+    for each, name in ((found, "the map"), (truth, "the ground truth")):
+        each.check_target(len(target.vertices), len(target.faces), name)
     distance = SurfaceDistance(target)
     area = target.area if area is None else area
-    field, size = remoteness(target, distance), np.sqrt(area)
-    errors, counted, elsewhere = _errors(found, truth, picked, target, distance, field, float(size))
-    least = None
-    if reached is not None:
-        least = float(least_errors(distance, places(truth, target, picked), reached, area).mean())
+    limbs, size = find_limbs(target, distance, mirror), float(np.sqrt(area))
+    right = places(truth, target, picked)
+    errors, counted, elsewhere = _errors(found, right, picked, target, distance, limbs.remoteness, size)
+    least = None if reached is None else float(least_errors(distance, right, reached, area).mean())
+    right_limb, mirror_limb = _limbs(limbs, found, right, picked, target, reached)
+    score = MapScore(
+        picked, errors, counted, elsewhere, least=least, right_limb=right_limb, mirror_limb=mirror_limb
+    )
     if mirrored is None:
-        return MapScore(picked, errors, counted, elsewhere, least=least)
+        return score
     if len(mirrored) != len(truth) or not mirrored.matched[picked].all():
         raise InputError("the mirrored ground truth lacks points that the ground truth has")
-    other = _errors(found, mirrored, picked, target, distance, field, float(size))[1]
+    mirrored.check_target(len(target.vertices), len(target.faces), "the ground truth")
+    image = places(mirrored, target, picked)
+    other = _errors(found, image, picked, target, distance, limbs.remoteness, size)[1]
     mean, flipped = symmetric_mean(float(counted.mean()), float(other.mean()))
-    return MapScore(picked, errors, counted, elsewhere, mean, flipped, least)
+    return replace(score, symmetric=mean, flipped=flipped)
 
 
 def score_scans(
-    found: PointMap, source: Scan, target: Scan, mesh: Shape, area: float | None = None
+    found: PointMap,
+    source: Scan,
+    target: Scan,
+    mesh: Shape,
+    area: float | None = None,
+    mirror: NDArray[np.int64] | None = None,
 ) -> MapScore:
     """Score a map between two scans of one subject by where their points lie on its mesh.
 
@@ -145,7 +167,7 @@ def score_scans(
     source, target
     mesh
         Any pose of the subject: distances are measured on it.
-    area
+    area, mirror
         As for `score_map`.
 
     Raises
@@ -168,7 +190,7 @@ def score_scans(
     weights = np.where(found.matched[:, None], target.barycentrics[found.ids], 0.0)
     truth = PointMap(source.face_ids.astype(np.int64), source.barycentrics)
     reached = SurfacePoints(target.face_ids, target.barycentrics)
-    return score_map(PointMap(ids, weights, found.confidence), truth, mesh, area=area, reached=reached)
+    return score_map(PointMap(ids, weights, found.confidence), truth, mesh, None, area, reached, mirror)
 
 
 def truth_of_pair(source: PointMap, target: PointMap, vertices: int) -> PointMap:
@@ -213,7 +235,7 @@ def places(points: PointMap, target: Shape, picked: NDArray[np.integer]) -> Surf
 
 def _errors(
     found: PointMap,
-    truth: PointMap,
+    right: SurfacePoints,
     picked: NDArray[np.int64],
     target: Shape,
     distance: SurfaceDistance,
@@ -221,9 +243,6 @@ def _errors(
     size: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Errors, errors as they count, and how many points are on another piece."""
-    for each, name in ((found, "the map"), (truth, "the ground truth")):
-        each.check_target(len(target.vertices), len(target.faces), name)
-    right = places(truth, target, picked)
     errors, matched = np.full(len(picked), np.nan), found.matched[picked]
     goal, start = places(found, target, picked[matched]), right[matched]
     errors[matched] = distance(start.face_ids, start.barycentrics, goal.face_ids, goal.barycentrics) / size
@@ -231,3 +250,18 @@ def _errors(
     errors[apart] = np.nan
     random = np.einsum("nc,nc->n", right.barycentrics, field[target.faces[right.face_ids]]) / size
     return errors, with_unmatched(errors, random, np.zeros(len(errors))), int(apart.sum())
+
+
+def _limbs(
+    limbs: Limbs,
+    found: PointMap,
+    right: SurfacePoints,
+    picked: NDArray[np.int64],
+    target: Shape,
+    reached: SurfacePoints | None,
+) -> tuple[float | None, float | None]:
+    """Shares of the limbs on the right limb and on its mirror image."""
+    matched, there = found.matched[picked], np.full(len(picked), -1, dtype=np.int64)
+    there[matched] = limbs.of_points(target, places(found, target, picked[matched]))
+    shown = limbs.of_vertex if reached is None else limbs.of_points(target, reached)
+    return limb_shares(limbs.of_points(target, right), there, shown, limbs.mirror)

@@ -26,10 +26,11 @@ def merge(folders: tuple[Path, ...], out: Path | None, quiet: bool) -> None:
 
     out = out or folders[0].resolve().parent / "merged"
     check_output_folder(out, folders)
-    with ProgressBar(1, f"merging {len(folders)} folders", quiet) as bar:
+    with ProgressBar(1, "merging", quiet) as bar:
+        from datasets_gen.clouds.point_cloud import counted
         from evaluation.results.merging import merge_results
 
         store = merge_results(folders, out)
         bar.advance()
-    say(quiet, f"{len(store.table())} rows from {len(folders)} folders")
+    say(quiet, f"{counted(len(store.table()), 'row')} from {counted(len(folders), 'folder')}")
     result_console().print(str(out), markup=False, soft_wrap=True)

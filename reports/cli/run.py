@@ -104,6 +104,7 @@ def _sweep(settings: "Experiment", folder: Path, quiet: bool, **options: Any) ->
 
 
 def _preview(settings: "Experiment", folder: Path, jobs: int | None) -> None:
+    from datasets_gen.clouds.point_cloud import counted
     from evaluation import preview
 
     outlook = preview(settings, folder, jobs=jobs)
@@ -112,7 +113,8 @@ def _preview(settings: "Experiment", folder: Path, jobs: int | None) -> None:
         say_result(f"{name}: {', '.join(poses)}", markup=False)
     for stage, count in outlook.waiting.items():
         say_result(f"{stage:10} {count:6} to run", markup=False)
-    say_result(f"{outlook.stored} results are stored already; the table would have {outlook.rows} rows")
+    stored = "1 result is" if outlook.stored == 1 else f"{outlook.stored} results are"
+    say_result(f"{stored} stored already; the table would have {counted(outlook.rows, 'row')}")
     total = sum(outlook.waiting.values())
     if total:
         workers = "1 worker" if outlook.workers == 1 else f"{outlook.workers} workers"

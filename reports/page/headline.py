@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from datasets_gen.clouds.point_cloud import counted
 from reports.method_order import order_methods
 from reports.tables.columns import interval_text
 from reports.tables.completeness import unranked
@@ -65,7 +66,7 @@ def headline(table: pd.DataFrame, beyond: Collection[str] = ()) -> str:
         return ""
     first, second = test["first"], test["second"]
     mean = {str(row["method"]): f"{row['mean']:.1f}" for row in ranking}
-    pairs = _counted(test["pairs"], "pair of poses", "pairs of poses")
+    pairs = counted(test["pairs"], "pair of poses", "pairs of poses")
     if test["pairs"] == 1:
         return (
             f"On one pair of poses, {first} has a mean geodesic error of {mean[first]} and {second} of "
@@ -95,7 +96,3 @@ def _p_text(p: float) -> str:
     if p != p:
         return ""
     return f", p < {LEAST_P}" if p < LEAST_P else f", p = {p:.2g}"
-
-
-def _counted(count: int, one: str, many: str) -> str:
-    return f"{count} {one if count == 1 else many}"

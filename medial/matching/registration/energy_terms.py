@@ -1,14 +1,15 @@
 """Terms of the deformation energy, added to its normal equations: pulls on points, stiffness of edges.
 
-Compiled. A node moves by six numbers: a turn about three axes and a shift. Only the lower triangle of the
-system is kept, in the blocks of an `envelope.Envelope`. A point's derivative by the motion of node k is the
-lever L_k = w_k [-[y_k]x, I], (3, 6), where y_k is the arm from the node to the point and w_k its weight.
+A node moves by six numbers: a turn about three axes and a shift. Of the system the lower triangle is kept, in
+the blocks of an `envelope.Envelope`. A point's derivative by the motion of node k is the lever
+L_k = w_k [-[y_k]x, I], (3, 6), where y_k is the arm from the node to the point and w_k its weight.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.compiled import compiled
+from medial.matching.registration.envelope import BLOCK
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -224,9 +225,9 @@ def _add_turn(values: Float, origin: Int, right: Float, axis: Float, i: int, j: 
     for r in range(3):
         right[6 * i + r] += s * axis[r]
         right[6 * j + r] -= s * axis[r]
-        values[origin[i] + 36 * i + 7 * r] += s
-        values[origin[j] + 36 * j + 7 * r] += s
-        values[origin[high] + 36 * low + 7 * r] -= s
+        values[origin[i] + BLOCK * i + 7 * r] += s
+        values[origin[j] + BLOCK * j + 7 * r] += s
+        values[origin[high] + BLOCK * low + 7 * r] -= s
 
 
 @compiled()
@@ -242,7 +243,7 @@ def _add_gap(
             row, col = i if a == 0 else j, i if b == 0 else j
             if row < col:
                 continue
-            at = origin[row] + 36 * col
+            at = origin[row] + BLOCK * col
             for q in range(6 * b, 6 * b + 6):
                 for p in range(6 * a, 6 * a + 6):
                     for r in range(3):

@@ -107,8 +107,8 @@ def cholesky_solve(values: Float, right: Float, lowest: Int, origin: Int) -> Flo
     for i in range(len(lowest)):
         for j in range(lowest[i], i + 1):
             first, row, above = max(lowest[i], lowest[j]), origin[i], origin[j]
-            _products(sums, values, row + 36 * first, above + 36 * first, 6 * (j - first))
-            _finish_block(sums, values, row + 36 * j, above + 36 * j, i == j)
+            _products(sums, values, row + BLOCK * first, above + BLOCK * first, 6 * (j - first))
+            _finish_block(sums, values, row + BLOCK * j, above + BLOCK * j, i == j)
         for p in range(6):
             at, total = origin[i] + p, 0.0
             for k in range(6 * lowest[i], 6 * i + p):

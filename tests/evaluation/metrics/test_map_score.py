@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
 
-from datasets_gen import InputError, Shape
+from datasets_gen import InputError, Shape, load
 from datasets_gen.correspondences.point_map import PointMap
-from evaluation.metrics.map_score import score_map, truth_of_pair
+from evaluation.metrics.map_score import score_map, score_scans, truth_of_pair
+from scanner_sim import sample
 
 
 def as_target(mesh: trimesh.Trimesh) -> Shape:
@@ -107,3 +109,19 @@ def test_a_template_gives_the_truth_of_a_pair():
 def test_maps_that_do_not_fit_are_refused(found, truth, said):
     with pytest.raises(InputError, match=said):
         score_map(found, truth, SPHERE)
+
+
+def test_limbs_are_counted_on_any_pose_and_swapped_ones_are_mirror_images():
+    body = load("human")
+    rest, walk = (sample(body[pose], 1500) for pose in ("rest", "walk"))
+    here, there = (body.reference.at(scan.face_ids, scan.barycentrics) for scan in (rest, walk))
+    right = PointMap(cKDTree(there).query(here)[1])
+    swapped = PointMap(cKDTree(there * [-1, 1, 1]).query(here)[1])
+    for mesh in (body.reference, body["walk"]):
+        found = score_scans(right, rest, walk, mesh, mirror=body.mirror)
+        assert (found.right_limb, found.mirror_limb) == (1, 0)
+        assert found.errors.mean() == pytest.approx(found.least, rel=0.1)
+        found = score_scans(swapped, rest, walk, mesh, mirror=body.mirror)
+        assert (found.right_limb, found.mirror_limb) == (pytest.approx(1 / 5), 1)  # the head stays
+    assert score_scans(right, rest, walk, body.reference).mirror_limb is None
+    assert score_map(IDENTITY, IDENTITY, SPHERE).right_limb is None
