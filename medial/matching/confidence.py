@@ -1,7 +1,7 @@
 """Confidence of matches.
 
 A match is sure if the surfaces meet there, no other part of the body comes to lie there, its part of the body
-is not torn off, and no other map is as likely.
+is not torn off, no other map is as likely, and its own map is rather right than wrong.
 """
 
 import numpy as np
@@ -18,6 +18,8 @@ Int = NDArray[np.int64]
 
 SAME_PLACE = 0.1
 """Samples placed closer than this, in sqrt(area), agree."""
+EVEN = 0.5
+"""Matches of a map less probable than this are believed less, in proportion."""
 
 
 def confidence_of_fit(
@@ -28,8 +30,12 @@ def confidence_of_fit(
     placements: list[Placement],
     attachment: Attachment,
     samples: Int,
+    probability: float,
 ) -> Float:
-    """How far each match can be trusted: the product of four shares.
+    """How far each match can be trusted: the product of five shares.
+
+    A share is that of the likelihood that belongs to fits which agree about the place. Where each of them is
+    improbable, as scans from opposite sides allow many that are wrong alike, that they agree says little.
 
     Parameters
     ----------
@@ -47,6 +53,8 @@ def confidence_of_fit(
         How the source points hang on the nodes of the quick fits.
     samples : (s,) int64
         The source points that were placed.
+    probability
+        Of the map (`selection.groups`).
 
     Returns
     -------
@@ -59,7 +67,8 @@ def confidence_of_fit(
     agree = [np.linalg.norm(places - best.places, axis=1) < SAME_PLACE for places in there]
     shared = odds @ np.array(agree)  # (s,)
     undisputed = attachment.smoothed(samples, shared)
-    return np.clip(undisputed * dense.held * dense.alone * dense.found, 0, 1)
+    likely = min(1.0, probability / EVEN)
+    return np.clip(undisputed * likely * dense.held * dense.alone * dense.found, 0, 1)
 
 
 def confidence_of_residual(residual: Float) -> Float:

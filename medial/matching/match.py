@@ -207,9 +207,9 @@ def _of_fits(pair: PreparedPair, directions: list[Direction], found: SearchedFit
     at, samples = placements[best.number], pair.source.descriptors.samples
     forward = [c for c in tried if not c.backward]
 
-    def believed(dense: DenseFit, number: int) -> NDArray[np.float64]:
+    def believed(dense: DenseFit, number: int, share: float) -> NDArray[np.float64]:
         hang = directions[0].attachment
-        return confidence_of_fit(dense, number, rivals, none, placements, hang, samples)
+        return confidence_of_fit(dense, number, rivals, none, placements, hang, samples, share)
 
     dense = selection.dense(best)
     mapped = dense.match
@@ -224,12 +224,12 @@ def _of_fits(pair: PreparedPair, directions: list[Direction], found: SearchedFit
     for other, share in others if config.refine == "deform" else []:
         if share >= WORTH_SAYING and isinstance(other, Finalist):
             instead = selection.dense(other)
-            alternatives.append(Alternative(share, instead.match, believed(instead, other.number)))
+            alternatives.append(Alternative(share, instead.match, believed(instead, other.number, share)))
     return Matching(
         source_to_target=mapped,
         landmarks=np.column_stack([landmarks, mapped[landmarks]]),
         cost=tried[chosen].cost if tried else float("nan"),
-        confidence=believed(dense, best.number),
+        confidence=believed(dense, best.number, probability),
         restarts=restarts_table(tried, np.array([start.score for start in starts]), chosen),
         mirror_check=mirror_verdict(
             at, [(placements[o.number], share) for o, share in others], doubt, forward, pair.target.cloud

@@ -19,12 +19,12 @@ LIKELY, NONE = 40.0, -100.0
 BEST = Placement(COORDINATES[SAMPLES].astype(float), 1.5)
 
 
-def confidence(dense, *rivals):
-    """Of the best map, given rivals and their log-likelihoods relative to it."""
+def confidence(dense, *rivals, probability=1.0):
+    """Of the best map of some probability, given rivals and their log-likelihoods relative to it."""
     values = LIKELY + np.array([0.0, *(loss for _, loss in rivals)])
     compared = [Rival(k, value) for k, value in enumerate(values)]
     placements = [BEST, *(place for place, _ in rivals)]
-    return confidence_of_fit(dense, 0, compared, NONE, placements, ATTACHMENT, SAMPLES)
+    return confidence_of_fit(dense, 0, compared, NONE, placements, ATTACHMENT, SAMPLES, probability)
 
 
 def rival(loss, samples=slice(None)):
@@ -60,6 +60,13 @@ def test_a_rival_is_one_only_where_it_differs():
     assert sure[SAMPLES[near]].mean() < 0.8
     assert sure[far].mean() > 0.9
     assert sure.min() >= 0.5
+
+
+def test_fits_that_agree_are_believed_no_more_than_twice_as_much_as_their_map():
+    same = (BEST, 0.0)
+    assert np.allclose(confidence(SURE, same, same), 1)
+    assert np.allclose(confidence(SURE, same, same, probability=0.5), 1)
+    assert np.allclose(confidence(SURE, same, same, probability=0.1), 0.2)
 
 
 def test_typical_residuals_are_half_sure():
