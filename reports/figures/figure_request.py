@@ -241,12 +241,19 @@ def map_errors(
     body: Collection, source: ScannedPose, target: ScannedPose, image: NDArray[np.integer]
 ) -> NDArray[np.float64]:
     """Geodesic error of a map x 100 / sqrt(area) per source point, (n,), nan for -1."""
+    ends, rest = surface_places(body, source, target), body.reference
+    return 100 * correspondence_error(SurfaceDistance(rest), *ends, image, rest.area)
+
+
+def surface_places(
+    body: Collection, source: ScannedPose, target: ScannedPose
+) -> tuple[SurfacePoints, SurfacePoints]:
+    """Where the points of two scanned poses lie on the body's rest pose."""
     here, there = (
         SurfacePoints(*body.on_reference(each.shape, each.scan.face_ids, each.scan.barycentrics))
         for each in (source, target)
     )
-    rest = body.reference
-    return 100 * correspondence_error(SurfaceDistance(rest), here, there, image, rest.area)
+    return here, there
 
 
 @dataclass(frozen=True)

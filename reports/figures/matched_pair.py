@@ -10,13 +10,20 @@ from scipy.spatial import cKDTree
 
 from datasets_gen import Collection
 from evaluation import correspondence_error
-from evaluation.metrics.correspondence import SurfacePoints
+from evaluation.metrics.correspondence import least_errors
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.mirror_images import mirror_points
 from medial import Matching, match
 from reports.figures.cloud_drawing import carried_colors, colored_from, position_colors
 from reports.figures.cloud_sheet import CloudPanel
-from reports.figures.figure_request import FigureRequest, ScannedPose, cloud_table, front_view, map_errors
+from reports.figures.figure_request import (
+    FigureRequest,
+    ScannedPose,
+    cloud_table,
+    front_view,
+    map_errors,
+    surface_places,
+)
 
 SHARED = 0.75
 """Distance of medial centres up to which points share a colour, in radii of the ball."""
@@ -68,6 +75,21 @@ class MatchedPair:
     def error_words(self) -> str:
         """Mean and median error in words."""
         return f"mean error {np.nanmean(self.errors):.1f}, median {np.nanmedian(self.errors):.1f}"
+
+    @property
+    def chance_words(self) -> str:
+        """The least mean error that these scans allow, and the probability of the map, in words."""
+        least = f"the least that a map of these scans can have is {self.least_mean:.1f}"
+        if np.isnan(self.found.probability):
+            return least
+        return f"{least}; probability of the map {self.found.probability:.2f}"
+
+    @property
+    def least_mean(self) -> float:
+        """Least mean error, x 100 / sqrt(area), that any map of these scans can have."""
+        ends = surface_places(self.body, self.source, self.target)
+        rest = self.body.reference
+        return 100 * float(least_errors(SurfaceDistance(rest), *ends, rest.area).mean())
 
     @property
     def mirrored_mean(self) -> float:
@@ -187,10 +209,7 @@ def mirrored_mean(
     if body.mirror is None:
         return float("nan")
     rest = body.reference
-    here, there = (
-        SurfacePoints(*body.on_reference(each.shape, each.scan.face_ids, each.scan.barycentrics))
-        for each in (source, target)
-    )
+    here, there = surface_places(body, source, target)
     other_side = mirror_points(rest, body.mirror, there)
     errors = correspondence_error(SurfaceDistance(rest), here, other_side, image, rest.area)
     return 100 * float(np.nanmean(errors))

@@ -35,7 +35,7 @@ def opposed_scans(request: FigureRequest) -> MadeFigure:
         f"{source.shape.name} scanned from the front ({VIEWS[0]}), {target.shape.name} from behind "
         f"({VIEWS[1]}), threshold {scanned.threshold:g}, seed {request.seed}; source {source.note}, target "
         f"{target.note}. Colours: where the source's medial centres (Eq. 9) lie; the target has those that "
-        f"the map sends to it. {ALONE} Geodesic {pair.error_words} (x 100 / √area)."
+        f"the map sends to it. {ALONE} Geodesic {pair.error_words} (x 100 / √area); {pair.chance_words}."
     )
     own, arrived = pair.colours()
     row = [

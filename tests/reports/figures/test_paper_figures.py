@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -12,7 +13,7 @@ from medial.similarity.equations import medial_similarity
 from reports.figures import paper_figures
 from reports.figures.dual_area_construction import dual_area_at
 from reports.figures.figure_request import RESOLUTION, ScannedPose, map_errors
-from reports.figures.matched_pair import regional_colours
+from reports.figures.matched_pair import MatchedPair, regional_colours
 from reports.figures.quadruped_matches import signature_change
 from reports.figures.signature_at_times import shoulder_vertices
 from reports.figures.signature_colours import few_ticks, shared_norm
@@ -188,6 +189,13 @@ def test_errors_of_a_map_are_those_of_the_public_call(human):
     found = dense(image, np.ones(POINTS))
     expected = mb.geodesic_error(found, one.scan, other.scan, human)
     assert np.allclose(map_errors(human, one, other, image), expected)
+    pair = MatchedPair(human, one, other, found, expected)
+    least = mb.score(found, one.scan, other.scan, human).least
+    assert pair.least_mean == pytest.approx(100 * least)
+    assert f"{100 * least:.1f}" in pair.chance_words
+    assert "probability" not in pair.chance_words  # of a method that knows none
+    sure = MatchedPair(human, one, other, replace(found, probability=0.25), expected)
+    assert sure.chance_words.endswith("probability of the map 0.25")
 
 
 def test_points_of_one_medial_ball_share_a_colour(scanned):
