@@ -196,6 +196,7 @@ def _plan_map(
         "target_threshold": regime.target.threshold,
         "regime": regime.name,
         "views": str(regime.source.views),
+        "target_views": str(regime.target.views),
         "seed": seed,
         "source_scan": clouds["source"],
         "target_scan": clouds["target"],

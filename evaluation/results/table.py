@@ -26,6 +26,7 @@ COLUMNS: dict[str, str] = {
     "target_threshold": "Float64",
     "regime": "string",
     "views": "string",
+    "target_views": "string",
     "n_points": "Int64",
     "seed": "Int64",
     "source_missing": "Float64",

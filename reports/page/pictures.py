@@ -181,7 +181,8 @@ def chosen_pairs(maps: pd.DataFrame, limit: int | None) -> list[pd.DataFrame]:
 def scan_views(table: pd.DataFrame) -> pd.DataFrame:
     """Scans of the first seed at the most frequent views: dataset, pose, threshold, missing, views, key.
 
-    Samples of a surface, which have no threshold, are no scans.
+    Samples of a surface, which have no threshold, are no scans. Without the targets' views, as in a table of an
+    earlier version, those of the sources are taken.
     """
     columns = ["dataset", "pose", "threshold", "missing", "views", "seed", "key"]
     parts = []
@@ -189,7 +190,10 @@ def scan_views(table: pd.DataFrame) -> pd.DataFrame:
         names = [f"{side}_{c}" for c in ("pose", "threshold", "missing")]
         wanted = ["dataset", *names, "views", "seed", f"{side}_scan"]
         if set(wanted) <= set(table.columns):
-            parts.append(table[wanted].set_axis(columns, axis=1))
+            part = table[wanted].set_axis(columns, axis=1)
+            if side == "target" and "target_views" in table:
+                part["views"] = table["target_views"].fillna(table["views"])
+            parts.append(part)
     scans = pd.concat(parts).dropna(subset=["threshold", "key", "missing"]).drop_duplicates("key")
     scans = scans[scans["views"] != SURFACE]
     if scans.empty:

@@ -209,6 +209,17 @@ def test_scans_are_found_once_each(results):
     assert set(views["seed"]) == {0}
 
 
+def test_scans_from_opposite_sides_keep_their_own_views(results):
+    table = with_numpy_types(ResultsStore(results).table())
+    maps = table[table["kind"] == "matching"].assign(views="front:2", target_views="back:2")
+    views = scan_views(maps)  # one of two views that are as frequent
+    assert set(views["pose"]) == {"bent"}
+    assert set(views["views"]) == {"back:2"}
+    older = scan_views(maps.assign(target_views=pd.NA))
+    assert set(older["pose"]) == {"bent", "rest"}
+    assert set(older["views"]) == {"front:2"}
+
+
 def test_an_even_pick_keeps_both_ends():
     assert evenly_picked([0.3, 0.1, 0.2], 6) == [0.1, 0.2, 0.3]
     few = evenly_picked([i / 20 for i in range(20)], 6)
