@@ -181,8 +181,8 @@ def chosen_pairs(maps: pd.DataFrame, limit: int | None) -> list[pd.DataFrame]:
 def scan_views(table: pd.DataFrame) -> pd.DataFrame:
     """Scans of the first seed at the most frequent views: dataset, pose, threshold, missing, views, key.
 
-    Samples of a surface, which have no threshold, are no scans. Without the targets' views, as in a table of an
-    earlier version, those of the sources are taken.
+    Samples of a surface, which have no threshold, are no scans. Without the targets' views, as in a table of
+    an earlier version, those of the sources are taken.
     """
     columns = ["dataset", "pose", "threshold", "missing", "views", "seed", "key"]
     parts = []
