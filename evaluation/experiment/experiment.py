@@ -8,9 +8,10 @@ Sections of the file (every key is a field below, with its default):
 ``evaluated``, ``departures`` at the top.
 """
 
+import copy
 import itertools
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -172,9 +173,37 @@ def locate(table: dict[str, Any], folder: Path) -> None:
                     options["folder"] = _located(options["folder"], folder, Path.is_dir)
 
 
-def _tables(table: Mapping[str, Any], key: str) -> list[Any]:
+def portable(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings with files and folders by their names, to lie beside the TOML file: what `locate` undoes.
+
+    Equal wherever the files are, and without the names of anybody's folders.
+    """
+    found = copy.deepcopy(dict(table))
+    for each in filter(_is_named, _tables(found, "dataset")):
+        each["name"] = _beside(each["name"])
+    for each in filter(_is_named, _tables(found, "method")):
+        file, colon, attribute = each["name"].rpartition(":")
+        if file.endswith(".py"):
+            each["name"] = _beside(file) + colon + attribute
+        options = each.get("options")
+        if (
+            each["name"] == "external"
+            and isinstance(options, dict)
+            and isinstance(options.get("folder"), str)
+        ):
+            options["folder"] = _beside(options["folder"])
+    return found
+
+
+def _beside(name: str) -> str:
+    """``./file`` for the absolute path of a file, which no built-in name is; else the name."""
+    path = Path(name)
+    return f"./{path.name}" if path.is_absolute() and path.name else name
+
+
+def _tables(table: Mapping[str, Any], key: str) -> Sequence[Any]:
     found = table.get(key)
-    return found if isinstance(found, list) else []
+    return found if isinstance(found, list | tuple) else ()
 
 
 def _is_named(each: Any) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from datasets_gen.records import InputError, atomic_path
-from evaluation.experiment.experiment import Experiment
+from evaluation.experiment.experiment import Experiment, portable
 from evaluation.results.folder_lock import lock_folder
 from evaluation.results.origin import Origin, write_csv, write_parquet
 from evaluation.results.result_files import FOLDERS
@@ -145,7 +145,7 @@ def _joint_info(stores: list[ResultsStore], experiment: Experiment, rows: int) -
     return {
         "format": FORMAT,
         "experiment": experiment.name,
-        "config_hash": Origin.of(experiment.name, experiment.as_dict()).config_hash,
+        "config_hash": Origin.of(experiment.name, portable(experiment.as_dict())).config_hash,
         "seeds": list(experiment.seeds),
         "datasets": datasets,
         "rows": rows,

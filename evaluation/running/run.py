@@ -13,7 +13,7 @@ from typing import Any
 from datasets_gen.fingerprints import digest
 from datasets_gen.records import InputError, atomic_path
 from datasets_gen.registry import outline
-from evaluation.experiment.experiment import Experiment
+from evaluation.experiment.experiment import Experiment, portable
 from evaluation.experiment.make_plan import make_plan, shape_tasks
 from evaluation.experiment.plan import Plan
 from evaluation.experiment.tasks import Task
@@ -197,7 +197,7 @@ class _Run:
         if unchanged and self.store.is_merged() and not before.get("failures"):
             return
         self._write_experiment()
-        origin = Origin.of(self.experiment.name, self.experiment.as_dict())
+        origin = Origin.of(self.experiment.name, portable(self.experiment.as_dict()))
         table = write_tables(self.store, plan, self.failures, origin)
         info = {
             "format": FORMAT,

@@ -271,9 +271,10 @@ def flat(info: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]
 
 
 def _toml_like(settings: Mapping[str, Any]) -> str:
+    from evaluation.experiment.experiment import portable
     from evaluation.experiment.toml_tables import to_toml
 
-    return to_toml(settings)
+    return to_toml(portable(settings))
 
 
 def _tex(text: str) -> str:

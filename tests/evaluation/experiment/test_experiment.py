@@ -8,9 +8,10 @@ from datasets_gen import InputError
 from datasets_gen.registry import outline
 from evaluation import preview
 from evaluation.experiment.config_sections import ScanCondition
-from evaluation.experiment.experiment import Experiment
+from evaluation.experiment.experiment import Experiment, portable
 from evaluation.experiment.make_plan import make_plan, shape_tasks
 from evaluation.experiment.presets import presets
+from evaluation.experiment.toml_tables import to_toml
 from evaluation.methods.catalogue import create
 from medial.matching.registration.evidence import KINDS
 from scanner_sim import ScannerConfig
@@ -294,6 +295,21 @@ def test_paths_are_meant_from_the_file_and_its_results_go_on_anywhere(
     assert Experiment.load("experiment.toml") == experiment
     monkeypatch.chdir(tmp_path / "a")
     assert Experiment.load("mine.toml") == experiment
+
+
+def test_settings_to_be_shared_name_no_folders_and_are_read_beside_the_files(tmp_path, blobs, method_file):
+    one, other = (written(tmp_path / name, blobs, method_file) for name in "ab")
+    assert one != other
+    assert portable(one.as_dict()) == portable(other.as_dict())
+    shared = tmp_path / "b" / "shared.toml"
+    shared.write_text(to_toml(portable(one.as_dict())))
+    assert str(tmp_path) not in shared.read_text()
+    assert Experiment.load(shared) == other
+    shutil.move(tmp_path / "b" / "bodies", tmp_path / "b" / "human")
+    shared.write_text(shared.read_text().replace("./bodies", "./human"))
+    assert Experiment.load(shared).dataset[0].name == str(tmp_path / "b" / "human")
+    shutil.rmtree(tmp_path / "b" / "human")
+    assert Experiment.load(shared).dataset[0].name == "./human"  # and not the built-in body
 
 
 def test_paths_in_the_current_folder_are_found_too(tmp_path, blobs, method_file, monkeypatch):
