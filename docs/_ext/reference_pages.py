@@ -69,7 +69,7 @@ def _read(name: str, path: Path) -> SourceFile:
         for alias in node.names
         if (alias.asname or alias.name) in wanted
     }
-    return SourceFile(name, ast.get_docstring(tree) or "", members, {} if name == FACE else exports)
+    return SourceFile(name, ast.get_docstring(tree) or "", members, exports)
 
 
 def _text(node: ast.stmt | None) -> str:
@@ -102,6 +102,7 @@ def public_names(files: dict[str, SourceFile]) -> dict[str, str]:
         f"{home}.{name}": f"{package}.{name}"
         for package, each in files.items()
         for name, home in each.exports.items()
+        if package != FACE
     }
 
 
@@ -115,7 +116,10 @@ def pages() -> dict[str, str]:
 
 def _face(files: dict[str, SourceFile]) -> str:
     members = files[FACE].members.items()
-    own = "\n".join(entry for _, entry in members if entry.startswith(".. autofunction"))
+    own = "\n".join(
+        [entry for _, entry in members if entry.startswith(".. autofunction")]
+        + [f".. autofunction:: {name}\n" for name in files[FACE].exports if name not in HANDED]
+    )
     links = ", ".join(f"`{each}`" for each in HANDED)
     return (
         f"{_title(FACE, '=')}\n.. automodule:: {FACE}\n\n{own}\n\n{_title('Classes', '-')}\n"
