@@ -1,7 +1,7 @@
 """Confidence of matches.
 
 A match is sure if the surfaces meet there, no other part of the body comes to lie there, its part of the body
-is not torn off, no other map is as likely, and its own map is rather right than wrong.
+is not torn off, no other map is as likely, and its map is more likely right than wrong.
 """
 
 import numpy as np
@@ -34,8 +34,8 @@ def confidence_of_fit(
 ) -> Float:
     """How far each match can be trusted: the product of five shares.
 
-    A share is that of the likelihood that belongs to fits which agree about the place. Where each of them is
-    improbable, as scans from opposite sides allow many that are wrong alike, that they agree says little.
+    Fits that agree about a place support each other there: their probabilities are added. From opposite sides
+    many improbable fits can be wrong in the same way, so that the probability of the map itself counts, too.
 
     Parameters
     ----------
