@@ -1,6 +1,7 @@
 """``medialbench score`` on a sphere, with the files of a template and of a symmetric truth."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -85,6 +86,13 @@ def test_scans_hold_the_truth_of_a_map_between_them(tmp_path):
     assert tables["some"]["matched %"] == "66.667"
     result, _ = scored(tmp_path / "near.npy", *scans, "--truth", tmp_path / "near.npy")
     assert "leave out --truth" in result.output
+    write_mesh(load("capsule_chain").reference, tmp_path / "other.ply")
+    other = "--target", tmp_path / "other.ply", *scans[2:]
+    result, _ = scored(tmp_path / "near.npy", *other)
+    assert "the mesh is no pose of the subject of the scan of 'dumbbell/" in result.output
+    replace(target, shape_name="torus/rest").save(tmp_path / "torus.npz")
+    result, _ = scored(tmp_path / "near.npy", *scans[:-1], tmp_path / "torus.npz")
+    assert "the scans are of 'dumbbell' and 'torus'" in result.output
     np.save(tmp_path / "short.npy", nearest[:9])
     result, _ = scored(tmp_path / "short.npy", *scans)
     assert "the map has 9 points, the source scan 300" in result.output
