@@ -23,8 +23,8 @@ from evaluation.metrics.limbs import Limbs, find_limbs, limb_shares
 from scanner_sim import Scan
 
 NEIGHBOURS_KEPT = 0.85
-"""The least `neighbours_kept` of a scan on a pose of its subject. Of the built-in bodies it is at least .9 with
-60 points and .99 with 500; on the mesh of another body at most .9 and .79."""
+"""The least `neighbours_kept` of a scan on a pose of its subject. Of the built-in bodies it is at least .9
+with 60 points and .99 with 500; on the mesh of another body at most .9 and .79."""
 LEVELS = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
 """Errors at which the share of points below is told, in sqrt(area)."""
 
