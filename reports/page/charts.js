@@ -15,10 +15,12 @@ const Charts = (() => {
   }
   function ticks(axis, count) {
     if (axis.log) {
-      const found = [];
-      for (let decade = Math.floor(Math.log10(axis.min)); decade <= Math.log10(axis.max); decade++)
-        for (const m of [1, 2, 5]) { const v = m * 10 ** decade; if (v >= axis.min * 0.999 && v <= axis.max * 1.001) found.push(v); }
-      return found;
+      for (const steps of [[1, 2, 5], [1, 1.5, 2, 3, 4, 5, 7]]) {   // the finer ones where the first give one or two
+        const found = [];
+        for (let decade = Math.floor(Math.log10(axis.min)); decade <= Math.log10(axis.max); decade++)
+          for (const m of steps) { const v = m * 10 ** decade; if (v >= axis.min * 0.999 && v <= axis.max * 1.001) found.push(v); }
+        if (found.length > 2) return found;
+      }                                                             // else as on a linear axis
     }
     const span = axis.max - axis.min, rough = span / (count || 6), base = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].map((m) => m * base).find((s) => s >= rough), found = [];

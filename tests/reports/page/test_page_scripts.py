@@ -34,6 +34,7 @@ ASK = """<script>window.addEventListener("load", () => {
   answer.regime = by("board-regime").options[1].value;
   choose(answer.regime); answer.part = board(); choose("");
   answer.dots = dots();
+  answer.ticks = [...document.querySelectorAll("#chart-missing text[text-anchor=end]")].map((t) => Number(t.textContent));
   click("#chart-missing .legend button"); answer.fewer = dots();
   answer.curves = document.querySelectorAll("#chart-pck path").length;
   answer.maps = document.querySelectorAll("#all-maps tbody tr").length;
@@ -100,6 +101,12 @@ def test_every_map_has_a_dot_and_a_row(answer, maps):
     assert answer["fewer"] < len(maps)
     assert answer["maps"] == min(50, len(maps))
     assert f"{maps['geodesic_mean'].max():.1f}" in answer["worst"]
+
+
+def test_a_logarithmic_axis_has_three_numbers_at_least(answer, maps):
+    errors = maps["geodesic_mean"]
+    assert len(answer["ticks"]) >= 3
+    assert errors.min() / 1.2 < min(answer["ticks"]) < max(answer["ticks"]) < errors.max() * 1.2
 
 
 def test_curves_of_the_first_data_set_and_regime_are_drawn(answer, maps):
