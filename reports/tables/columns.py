@@ -68,6 +68,12 @@ LEADERBOARD = (
     Column(
         "alternatives", "alternatives", 1, about="Other maps that a method gave with its map, mean number."
     ),
+    Column(
+        "probability",
+        "probability",
+        2,
+        about="That a map is the right one, or differs from it in a limb, as its method says; mean.",
+    ),
     Column("spread", "±", 1, about="Standard deviation of the mean error over seeds."),
     Column("geodesic_median", "median", 1, "low", "Median over points, mean over maps, × 100 / √area."),
     Column(
@@ -123,7 +129,7 @@ LEADERBOARD = (
 
 PARTIAL = (
     *("oracle_mean", "excess_mean", "gross_rate", "right_limb", "mirror_limb", "medial_path_mean"),
-    *("sure_right", "geodesic_best", "alternatives"),
+    *("sure_right", "geodesic_best", "alternatives", "probability"),
 )
 """Columns of the leaderboard that are shown for regimes under which the scans share little surface."""
 

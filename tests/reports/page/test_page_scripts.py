@@ -34,7 +34,8 @@ ASK = """<script>window.addEventListener("load", () => {
   answer.regime = by("board-regime").options[1].value;
   choose(answer.regime); answer.part = board(); choose("");
   answer.dots = dots();
-  answer.ticks = [...document.querySelectorAll("#chart-missing text[text-anchor=end]")].map((t) => Number(t.textContent));
+  const numbers = document.querySelectorAll("#chart-missing text[text-anchor=end]");
+  answer.ticks = [...numbers].map((text) => Number(text.textContent));
   click("#chart-missing .legend button"); answer.fewer = dots();
   answer.curves = document.querySelectorAll("#chart-pck path").length;
   answer.maps = document.querySelectorAll("#all-maps tbody tr").length;

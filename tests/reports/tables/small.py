@@ -33,5 +33,6 @@ def partial(table):
         "sure_right": 0.995,
         "geodesic_best": error - 1,
         "alternatives": 2.0,
+        "probability": 0.75,
     }
     return table.assign(**{k: np.where(scored, v, np.nan) for k, v in values.items()})

@@ -94,7 +94,7 @@ def test_columns_for_scans_that_share_little_are_shown_for_those_only(table):
 
 def test_tables_of_earlier_versions_have_no_such_columns(table):
     late = ["oracle_mean", "excess_mean", "gross", "right_limb", "mirror_limb", "medial_path_mean", "overlap"]
-    late += ["sure_right", "geodesic_best", "alternatives"]
+    late += ["sure_right", "geodesic_best", "alternatives", "probability"]
     board = leaderboard(table.drop(columns=late))
     assert not {column.name for column in filled_columns(LEADERBOARD, board)} & set(PARTIAL)
     assert board["geodesic_mean"].equals(leaderboard(table)["geodesic_mean"])
