@@ -55,6 +55,10 @@ const Charts = (() => {
           const path = each.line.map(([a, b], i) => `${i ? "L" : "M"}${px(a).toFixed(1)} ${py(b).toFixed(1)}`).join("");
           root.append(svg("path", { d: path, fill: "none", stroke: each.color, "stroke-width": 2.2, "stroke-dasharray": each.dash || "none" }));
         }
+        if (each.line && each.line.length === 1) {
+          const [[a, b]] = each.line;
+          root.append(svg("circle", { cx: px(a).toFixed(1), cy: py(b).toFixed(1), r: 4, fill: each.color }));
+        }
         for (const [a, b, words] of each.line || []) targets.push({ x: px(a), y: py(b), words, color: each.color });
         for (const [a, b, words, open] of each.dots || []) {
           const dot = svg("circle", { cx: px(a).toFixed(1), cy: py(b).toFixed(1), r: 3.6, fill: each.color, "fill-opacity": 0.55, class: open ? "open" : "" });
@@ -147,8 +151,8 @@ const Charts = (() => {
         return [t, error, `${pose} at threshold ${t}: ${error.toPrecision(3)}, ${missing.toFixed(0)} % missing`];
       }) };
     });
-    const all = own.map((r) => r.threshold);
-    chart(host, { series, title: `Eq. 18, ${group}`, x: { label: "peak threshold τ", min: Math.min(...all), max: Math.max(...all) }, y: { label: "Eq. 18, relative to the reference", ...range(own.map((r) => r.error)) } });
+    const all = own.map((r) => r.threshold), low = Math.min(...all), high = Math.max(...all), room = low === high ? 0.05 : 0;
+    chart(host, { series, title: `Eq. 18, ${group}`, x: { label: "peak threshold τ", min: low - room, max: high + room }, y: { label: "Eq. 18, relative to the reference", ...range(own.map((r) => r.error)) } });
   }
 
   function choosing(id, groups, drawn) {
