@@ -179,17 +179,20 @@ def check_pair(found: Matching, source: Scan, target: Scan) -> None:
     if len(found) and found.source_to_target.max() >= len(target):
         last = found.source_to_target.max()
         raise InputError(f"the map does not fit: it names target point {last}, the target has {len(target)}")
-    for name, held, given in (
-        ("source", found.source_points, source.points),
-        ("target", found.target_points, target.points),
+    check_matched(found.source_points, source, "source")
+    check_matched(found.target_points, target, "target")
+
+
+def check_matched(held: NDArray[np.float64] | None, given: Scan, name: str) -> None:
+    """Raise InputError if the points that a map holds of a side are not those of a cloud."""
+    there = given.points
+    if held is not None and not (
+        held.shape == there.shape and np.allclose(held, there, 0, SAME * _extent(held))
     ):
-        if held is not None and not (
-            held.shape == given.shape and np.allclose(held, given, 0, SAME * _extent(held))
-        ):
-            raise InputError(
-                f"the map was made of another {name}: its points are not those of the one given; "
-                "give the clouds that were matched, the source first"
-            )
+        raise InputError(
+            f"the map was made of another {name}: its points are not those of the one given; "
+            "give the clouds that were matched, the source first"
+        )
 
 
 def _extent(points: NDArray[np.float64]) -> float:

@@ -62,6 +62,8 @@ def _counted(values: Any, first_id: int) -> NDArray[np.int64]:
     InputError
         If one is no whole number, or lies more than one below the first.
     """
+    if (kind := np.asarray(values).dtype).kind in "bc":
+        raise InputError(f"values of type {kind} are no indices; give whole numbers")
     numbers = np.asarray(values, dtype=np.float64).ravel()
     given = ~np.isnan(numbers)
     wrong = given & ((numbers != np.round(numbers)) | (np.abs(numbers) > 2**52))
@@ -79,8 +81,10 @@ def _sure(values: Any) -> NDArray[np.float64] | None:
     if values is None:
         return None
     found = np.asarray(values, dtype=np.float64).ravel()
-    if not ((found >= 0) & (found <= 1)).all():
-        raise InputError("a confidence lies outside [0, 1]")
+    wrong = ~((found >= 0) & (found <= 1))
+    if wrong.any():
+        row = int(wrong.argmax())
+        raise InputError(f"the confidence of entry {row + 1} is {found[row]:g}; it must lie in [0, 1]")
     return found
 
 

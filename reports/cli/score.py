@@ -10,6 +10,7 @@ from reports.cli.console import Command, result_console, say
 if TYPE_CHECKING:
     from datasets_gen import Shape
     from datasets_gen.correspondences.point_map import PointMap
+    from scanner_sim import Scan
 
 
 @click.command(cls=Command, short_help="The error of a map that was made anywhere.")
@@ -95,7 +96,9 @@ def score(
     found = read_map(correspondence, first_id)
     mesh = scannable(read_mesh(target))
     if scans:
-        result = score_scans(found, Scan.load(scans[0]), Scan.load(scans[1]), mesh, area)
+        source, goal = Scan.load(scans[0]), Scan.load(scans[1])
+        _check_scans(correspondence, source, goal)
+        result = score_scans(found, source, goal, mesh, area)
     else:
         right, other = _truth(truth, found, mesh), _truth(mirrored, found, mesh) if mirrored else None
         result = score_map(found, right, mesh, other, area)
@@ -112,6 +115,18 @@ def score(
         )
     if out is not None:
         say(quiet, f"Errors written to {out}")
+
+
+def _check_scans(correspondence: Path, source: "Scan", target: "Scan") -> None:
+    """Raise InputError if MAP holds the points that it was made of, and they are not those of the scans."""
+    import numpy as np
+
+    from reports.given_clouds import check_matched
+
+    if correspondence.suffix.lower() == ".npz":
+        with np.load(correspondence, allow_pickle=False) as data:
+            for scan, name in ((source, "source"), (target, "target")):
+                check_matched(data.get(f"{name}_points"), scan, name)
 
 
 def _truth(files: tuple[Path, ...], found: "PointMap", mesh: "Shape") -> "PointMap":

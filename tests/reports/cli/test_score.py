@@ -86,6 +86,14 @@ def test_scans_hold_the_truth_of_a_map_between_them(tmp_path):
     assert tables["some"]["matched %"] == "66.667"
     result, _ = scored(tmp_path / "near.npy", *scans, "--truth", tmp_path / "near.npy")
     assert "leave out --truth" in result.output
+    np.savez(tmp_path / "held.npz", source_to_target=nearest % 200, source_points=source.points)
+    assert scored(tmp_path / "held.npz", *scans)[0].exit_code == 0
+    np.savez(tmp_path / "held.npz", source_to_target=nearest % 200, target_points=source.points[:200])
+    result, _ = scored(tmp_path / "held.npz", *scans)
+    assert "the map was made of another target" in result.output
+    for kind in (bool, complex):
+        np.save(tmp_path / "kind.npy", nearest.astype(kind))
+        assert "are no indices; give whole numbers" in scored(tmp_path / "kind.npy", *scans)[0].output
     write_mesh(load("capsule_chain").reference, tmp_path / "other.ply")
     other = "--target", tmp_path / "other.ply", *scans[2:]
     result, _ = scored(tmp_path / "near.npy", *other)
