@@ -85,7 +85,7 @@ def test_a_matlab_file_counts_from_one_and_says_so(tmp_path):
         ("a.txt", "# first_id = 0\n1\n-7\n", "entry 2 is -7"),
         ("a.txt", "# first_id = 0\n1\ntwo\n", "line 3: 'two' is no number"),
         ("a.txt", "# first_id = 0\n1 1\n1\n", "line 3, has 1 columns, line 2 2"),
-        ("a.txt", "# first_id = 0\n1 2\n1 1\n", "outside \\[0, 1\\]"),
+        ("a.txt", "# first_id = 0\n1 2\n1 1\n", "confidence of entry 1 is 2; it must lie in"),
         ("a.vts", "1 2 3\n", "3 columns without names"),
         ("a.corr", "1 2 3\n", "3 columns; give a triangle and three weights"),
         ("a.corr", "1 .5 .5 .5\n", "row 1 are no barycentric coordinates"),
