@@ -42,16 +42,17 @@ $(DEV): $(CORE)
 bench: $(CORE)
 	@$(BIN)/medialbench run quick -o $(OUT)
 
+# A file of tests stays on one worker, which makes what its tests share once.
 test: $(DEV)
-	$(BIN)/python -m pytest -m "not slow" -n auto
+	$(BIN)/python -m pytest -m "not slow" -n auto --dist loadfile
 
 test-all: $(DEV)
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 # Kernels are measured uncompiled, in a run of their own: what Numba compiles is not traced.
 coverage: $(DEV)
 	$(BIN)/python -m coverage erase
-	$(BIN)/python -m coverage run -m pytest -q -m "not slow" -n auto
+	$(BIN)/python -m coverage run -m pytest -q -m "not slow" -n auto --dist loadfile
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run -m pytest -q -m uncompiled -n auto
 	$(BIN)/python -m coverage combine -q
 	$(BIN)/python -m coverage report --skip-covered --sort=cover

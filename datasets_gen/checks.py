@@ -38,8 +38,7 @@ def winding_conflicts(faces: NDArray[np.integer]) -> int:
 
 def face_components(faces: NDArray[np.integer]) -> NDArray[np.int32]:
     """Label of the connected component of each face, (f,); faces that share a vertex are connected."""
-    edges = directed_edges(faces)
-    size = int(faces.max()) + 1
+    edges, size = directed_edges(faces), int(faces.max()) + 1
     graph = coo_array((np.ones(len(edges), dtype=np.int8), (edges[:, 0], edges[:, 1])), shape=(size, size))
     return connected_components(graph, directed=False)[1][faces[:, 0]]
 
@@ -56,11 +55,9 @@ def looks_inward(vertices: NDArray[np.float64], faces: NDArray[np.integer]) -> b
     An open surface such as a relief has no inside, and its normals do not cancel: false if their sum, over
     the area, exceeds `OPEN`.
     """
-    if not signed_volume(vertices, faces) < 0:
-        return False
     normals = scaled_face_normals(vertices, faces)
-    area = float(np.linalg.norm(normals, axis=1).sum())
-    return float(np.linalg.norm(normals.sum(axis=0))) <= OPEN * area
+    closed = np.linalg.norm(normals.sum(axis=0)) <= OPEN * np.linalg.norm(normals, axis=1).sum()
+    return bool(closed) and signed_volume(vertices, faces) < 0
 
 
 def check_mesh(shape: Shape, *, allow_flat: bool = False) -> tuple[str, ...]:
@@ -132,9 +129,13 @@ def repeated_corners(faces: NDArray[np.integer]) -> NDArray[np.bool_]:
 
 
 def _check_topology(shape: Shape) -> None:
-    crowded = int((edge_face_counts(shape.faces) > 2).sum())
-    if crowded:
-        raise InputError(f"{shape.name!r} has {crowded} non-manifold edges (more than two faces); clean it")
+    edges, counts = np.unique(np.sort(directed_edges(shape.faces), axis=1), axis=0, return_counts=True)
+    crowded = edges[counts > 2]
+    if len(crowded):
+        raise InputError(
+            f"{shape.name!r} has {len(crowded)} non-manifold edges (more than two faces), one between "
+            f"vertices {crowded[0, 0]} and {crowded[0, 1]}; clean it"
+        )
     parts = len(np.unique(face_components(shape.faces)))
     if parts > 1:
         raise InputError(
@@ -289,8 +290,7 @@ def scannable(shape: Shape, repair: bool = False) -> Shape:
     faces = shape.faces.copy()
     faces[solid] = wound
     remarks = _remarks(replace(shape, faces=wound))
-    flat = len(faces) - len(wound)
-    if flat:
+    if flat := len(faces) - len(wound):
         remarks = (f"{flat} degenerate faces (no area) are ignored", *remarks)
     parts = len(np.unique(face_components(wound)))
     if parts > 1:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from datasets_gen.clouds.cleaning import lacking_normals
+from datasets_gen.clouds.point_cloud import counted
 from datasets_gen.records import InputError
 from datasets_gen.values import real_array
 
@@ -56,7 +57,7 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     if checked.ndim != 2 or checked.shape[1] != 3:
         raise InputError(f"points have shape {checked.shape}; give an (n, 3) array")
     if len(checked) < FEWEST_POINTS:
-        raise InputError(f"{len(checked)} points are too few; give at least {FEWEST_POINTS}")
+        raise InputError(f"{counted(len(checked), 'point')}: too few; give at least {FEWEST_POINTS}")
     bad = ~np.isfinite(checked).all(axis=1)
     if bad.any():
         raise InputError(

@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
+from datasets_gen.clouds.point_cloud import counted
 from datasets_gen.compiled import compiled, thread_count
 from datasets_gen.points.outside import outward_field
 from datasets_gen.records import InputError
@@ -83,7 +84,10 @@ def pca_by_view(
 def _nearest(points: NDArray[np.float64], neighbours: int) -> NDArray[np.int64]:
     """Each point and its nearest neighbours, (n, neighbours + 1)."""
     if len(points) <= neighbours:
-        raise InputError(f"{len(points)} points are too few for normals from {neighbours} neighbours each")
+        raise InputError(
+            f"{counted(len(points), 'point')}: too few for normals from "
+            f"{counted(neighbours, 'neighbour')} each"
+        )
     return cKDTree(points).query(points, k=neighbours + 1, workers=thread_count())[1]
 
 

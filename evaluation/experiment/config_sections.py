@@ -28,6 +28,7 @@ class DatasetSection:
 
     def __post_init__(self) -> None:
         """Check types."""
+        expect(self.name.strip() != "", "name is empty; give a data set or the path of a folder")
         if isinstance(self.poses, list):
             object.__setattr__(self, "poses", tuple(str(pose) for pose in self.poses))
         valid = (

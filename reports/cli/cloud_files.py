@@ -245,8 +245,13 @@ def with_normals(scan: "Scan", name: str, warn: bool = True) -> "Scan":
     Raises
     ------
     InputError
-        If normals have to be estimated, and single precision has left too little of the coordinates.
+        If there are too few points, or if normals have to be estimated and single precision has left too
+        little of the coordinates.
     """
+    from medial.validation import FEWEST_POINTS
+
+    if len(scan) < FEWEST_POINTS:
+        raise InputError(f"{name} has {counted(len(scan), 'point')}: too few; give at least {FEWEST_POINTS}")
     sound = with_sound_normals(PointCloud(scan.points, scan.normals))
     rounding, seen = rounding_of(scan.points), len(scan.poses) > 0 and bool((scan.view_ids >= 0).all())
     if sound.normals is None and rounding.hopeless and not seen:

@@ -119,6 +119,7 @@ def test_presets_name_methods_and_scanners_that_exist(name, tmp_path):
         ({"scan": {"points": 0}}, "points is 0; give a whole number of at least 8"),
         ({"scan": {"rotation": float("nan")}}, "rotation must be a finite number"),
         ({"scan": {"scale": float("inf")}}, "scale must be a finite number"),
+        ({"dataset": [{"name": " "}]}, "name is empty; give a data set"),
         ({"dataset": [{"name": "human", "poses": []}]}, "poses is empty"),
         ({"dataset": [{"name": "human", "poses": ["sit", "sit"]}]}, "poses has 'sit' 2 times; give it once"),
         ({"seeds": []}, "seeds is empty; give at least one"),

@@ -6,44 +6,42 @@ from evaluation import ResultsStore, merge_results, preview, run
 
 
 @pytest.fixture(scope="module")
-def halves(tmp_path_factory):
-    """Two runs that share one experiment by seed; and the experiment that covers both."""
+def half(tmp_path_factory):
+    """The run of one seed; made once."""
     made = {}
 
-    def get(small):
-        if not made:
-            root = tmp_path_factory.mktemp("halves")
-            stores = [run(small(seeds=[seed]), root / str(seed), jobs=1) for seed in (0, 1)]
-            made.update(stores=stores, whole=small(seeds=[0, 1]))
-        return made
+    def get(small, seed=0):
+        if seed not in made:
+            made[seed] = run(small(seeds=[seed]), tmp_path_factory.mktemp("half"), jobs=1)
+        return made[seed]
 
     return get
 
 
 @pytest.mark.slow
-def test_two_machines_make_one_table_and_nothing_is_left_to_run(small, halves, tmp_path):
-    made = halves(small)
-    merged = merge_results([store.folder for store in made["stores"]], tmp_path / "both")
-    assert preview(made["whole"], merged.folder).waiting == {}
-    expected = pd.concat([store.table() for store in made["stores"]], ignore_index=True)
+def test_two_machines_make_one_table_and_nothing_is_left_to_run(small, half, tmp_path):
+    stores, whole = [half(small, seed) for seed in (0, 1)], small(seeds=[0, 1])
+    merged = merge_results([store.folder for store in stores], tmp_path / "both")
+    assert preview(whole, merged.folder).waiting == {}
+    expected = pd.concat([store.table() for store in stores], ignore_index=True)
     pd.testing.assert_frame_equal(merged.table(), expected)
     row = merged.table().query("kind == 'matching'").iloc[-1]
     assert len(merged.matching(row.map_key)) == row.n_points
     assert merged.collection(row.dataset).subject == "blob"
-    again = run(made["whole"], merged.folder, scheduler="tcp://nowhere:1")  # nothing to run: no cluster
+    again = run(whole, merged.folder, scheduler="tcp://nowhere:1")  # nothing to run: no cluster
     assert len(again.table()) == len(expected)
 
 
-def test_a_folder_merged_with_itself_is_itself(small, halves, tmp_path):
-    store = halves(small)["stores"][0]
+def test_a_folder_merged_with_itself_is_itself(small, half, tmp_path):
+    store = half(small)
     merged = merge_results([store.folder, store.folder], tmp_path / "same")
     pd.testing.assert_frame_equal(merged.table(), store.table())
 
 
-def test_tables_of_earlier_versions_lack_columns_and_can_be_merged(small, halves, tmp_path):
+def test_tables_of_earlier_versions_lack_columns_and_can_be_merged(small, half, tmp_path):
     import shutil
 
-    store, old = halves(small)["stores"][0], tmp_path / "old"
+    store, old = half(small), tmp_path / "old"
     shutil.copytree(store.folder, old)
     late = ["oracle_mean", "excess_mean", "gross", "right_limb", "medial_path_mean", "sure_right"]
     late += ["geodesic_best", "probability", "alternatives"]
@@ -55,18 +53,18 @@ def test_tables_of_earlier_versions_lack_columns_and_can_be_merged(small, halves
     assert table[late].isna().all(axis=None)
 
 
-def test_what_cannot_be_merged(small, halves, tmp_path, blobs):
-    stores = halves(small)["stores"]
+def test_what_cannot_be_merged(small, half, tmp_path, blobs):
+    store = half(small)
     with pytest.raises(InputError, match="holds files already"):
-        merge_results([stores[0].folder], stores[1].folder)
+        merge_results([store.folder], store.folder.parent)
     with pytest.raises(InputError, match=r"no readable experiment|no results"):
         merge_results([tmp_path / "none"], tmp_path / "out")
     with pytest.raises(InputError, match="nothing to merge"):
         merge_results([], tmp_path / "out")
 
 
-def test_other_conditions_cannot_be_merged(small, halves, tmp_path):
-    store, other = halves(small)["stores"][0], tmp_path / "other"
+def test_other_conditions_cannot_be_merged(small, half, tmp_path):
+    store, other = half(small), tmp_path / "other"
     other.mkdir()
     experiment = small(scan={"points": 200})
     (other / "experiment.toml").write_text(experiment.to_toml())
@@ -74,10 +72,10 @@ def test_other_conditions_cannot_be_merged(small, halves, tmp_path):
         merge_results([store.folder, other], tmp_path / "out")
 
 
-def test_different_results_for_one_row_are_refused(small, halves, tmp_path):
+def test_different_results_for_one_row_are_refused(small, half, tmp_path):
     import shutil
 
-    store, other = halves(small)["stores"][0], tmp_path / "other"
+    store, other = half(small), tmp_path / "other"
     shutil.copytree(store.folder, other)
     table = store.table()
     table["score_key"] = table["score_key"] + "x"
@@ -87,10 +85,10 @@ def test_different_results_for_one_row_are_refused(small, halves, tmp_path):
         merge_results([store.folder, other], tmp_path / "out")
 
 
-def test_a_damaged_result_is_taken_from_the_folder_that_has_it_whole(small, halves, tmp_path, caplog):
+def test_a_damaged_result_is_taken_from_the_folder_that_has_it_whole(small, half, tmp_path, caplog):
     import shutil
 
-    store, bad = halves(small)["stores"][0], tmp_path / "bad"
+    store, bad = half(small), tmp_path / "bad"
     shutil.copytree(store.folder, bad)
     key = store.table().query("kind == 'matching'").iloc[0].map_key
     damaged = ResultsStore(bad).path("map", key)

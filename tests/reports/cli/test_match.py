@@ -105,7 +105,7 @@ def test_clouds_that_cannot_be_matched_are_refused(scan_file, tmp_path):
     np.savetxt(nan, np.full((30, 6), np.nan))
     words.write_text("a b c\n")
     np.savetxt(wide, np.ones((30, 5)))
-    fails(run("match", few, scan_file, "-o", out), "5 points are too few")
+    fails(run("match", few, scan_file, "-o", out), f"{str(few)!r} has 5 points: too few")
     fails(run("match", nan, scan_file, "-o", out), "NaN")
     fails(run("match", words, scan_file, "-o", out), "words.xyz")
     fails(run("match", wide, scan_file, "-o", out), "line 1, has 5 columns")
