@@ -124,6 +124,7 @@ def _preview(
     jobs: int | None,
     force: bool,
 ) -> None:
+    from datasets_gen.clouds.point_cloud import counted
     from evaluation.generation.generate import preview_generation
 
     outlook = preview_generation(settings, folder, samples, shard_size=shard_size, jobs=jobs, force=force)
@@ -142,5 +143,4 @@ def _preview(
         f"{outlook.waiting} shards to make, {outlook.stored} are there; at most {outlook.megabytes:,.0f} MB"
     )
     if outlook.waiting:
-        workers = "1 worker" if outlook.workers == 1 else f"{outlook.workers} workers"
-        print_line(f"about {clock(outlook.seconds)} with {workers}")
+        print_line(f"about {clock(outlook.seconds)} with {counted(outlook.workers, 'worker')}")

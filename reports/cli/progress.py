@@ -152,6 +152,7 @@ class SweepProgress:
 
     def begin(self, waiting: Mapping[str, int], stored: int, workers: int, dashboard: str) -> None:
         """Say how much there is to do, and start the bar."""
+        from datasets_gen.clouds.point_cloud import counted
         from evaluation.running.progress import Forecast
 
         self._forecast, self._total = Forecast(dict(waiting), workers), sum(waiting.values())
@@ -160,7 +161,8 @@ class SweepProgress:
         self._bar.resize(self._total)
         self._bar.move(0)
         where = f", dashboard {dashboard}" if dashboard else ""
-        self._bar.say(f"{self._total} tasks to run, {stored} results stored, {workers} workers{where}")
+        work, done = counted(self._total, "task"), counted(stored, "result")
+        self._bar.say(f"{work} to run, {done} stored, {counted(workers, 'worker')}{where}")
 
     def advance(self, outcome: "Outcome") -> None:
         """Count a task; name a failure at once."""

@@ -117,8 +117,8 @@ def _preview(settings: "Experiment", folder: Path, jobs: int | None) -> None:
     say_result(f"{stored} stored already; the table would have {counted(outlook.rows, 'row')}")
     total = sum(outlook.waiting.values())
     if total:
-        workers = "1 worker" if outlook.workers == 1 else f"{outlook.workers} workers"
-        say_result(f"{total} tasks to run, about {clock(outlook.seconds)} with {workers}")
+        work, workers = counted(total, "task"), counted(outlook.workers, "worker")
+        say_result(f"{work} to run, about {clock(outlook.seconds)} with {workers}")
     else:
         say_result("nothing to run: every result of this experiment is stored")
     for label, reason in outlook.unavailable.items():
