@@ -1,7 +1,7 @@
 """Confidence of matches.
 
 A match is sure if the surfaces meet there, no other part of the body comes to lie there, its part of the body
-is not torn off, no other map is as likely, and its map is more likely right than wrong.
+is not torn off, no other map is as likely, and its map is probable.
 """
 
 import numpy as np
@@ -18,8 +18,8 @@ Int = NDArray[np.int64]
 
 SAME_PLACE = 0.1
 """Samples placed closer than this, in sqrt(area), agree."""
-EVEN = 0.5
-"""Matches of a map less probable than this are believed less, in proportion."""
+PROBABLE = 0.8
+"""Matches of a map less probable than this are believed less, by the square of its probability over this."""
 
 
 def confidence_of_fit(
@@ -34,8 +34,9 @@ def confidence_of_fit(
 ) -> Float:
     """How far each match can be trusted: the product of five shares.
 
-    Fits that agree about a place support each other there: their probabilities are added. From opposite sides
-    many improbable fits can be wrong in the same way, so that the probability of the map itself counts, too.
+    Fits that agree about a place support each other there: their probabilities are added. Where two scans
+    share little surface, fits can be wrong in the same way, so that the probability of the map itself counts,
+    too.
 
     Parameters
     ----------
@@ -67,7 +68,7 @@ def confidence_of_fit(
     agree = [np.linalg.norm(places - best.places, axis=1) < SAME_PLACE for places in there]
     shared = odds @ np.array(agree)  # (s,)
     undisputed = attachment.smoothed(samples, shared)
-    likely = min(1.0, probability / EVEN)
+    likely = min(1.0, probability / PROBABLE) ** 2
     return np.clip(undisputed * likely * dense.held * dense.alone * dense.found, 0, 1)
 
 

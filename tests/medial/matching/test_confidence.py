@@ -62,11 +62,11 @@ def test_a_rival_is_one_only_where_it_differs():
     assert sure.min() >= 0.5
 
 
-def test_fits_that_agree_are_believed_no_more_than_twice_as_much_as_their_map():
+def test_fits_that_agree_are_believed_less_where_their_map_is_improbable():
     same = (BEST, 0.0)
     assert np.allclose(confidence(SURE, same, same), 1)
-    assert np.allclose(confidence(SURE, same, same, probability=0.5), 1)
-    assert np.allclose(confidence(SURE, same, same, probability=0.1), 0.2)
+    assert np.allclose(confidence(SURE, same, same, probability=0.8), 1)
+    assert np.allclose(confidence(SURE, same, same, probability=0.4), 0.25)
 
 
 def test_typical_residuals_are_half_sure():
