@@ -61,7 +61,7 @@ def judged(folder: Path) -> Iterator[Judged]:
 def table_of(maps: list[Judged], apart: list[str]) -> str:
     """The table in Markdown; regimes that are apart come last."""
     lines = [
-        "| regime | probability | maps | limbs right | points at .5 | of them right | at .9 | of them right |",
+        "| regime | probability | maps | limbs right | at .5 | of them right | at .9 | of them right |",
         "|---|---|---|---|---|---|---|---|",
     ]
     others = "others" if apart else "all"
