@@ -7,6 +7,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from evaluation.generation.sample_plan import SamplePlan
 from evaluation.results.outcome import Outcome, one_line
 from evaluation.running.attempts import Attempt
 from evaluation.running.process import keep_freed_memory, single_thread
+from evaluation.running.task_warnings import gathered_warnings
 
 BYTES_PER_POINT = 72
 """Of all arrays of a sample."""
@@ -48,8 +50,9 @@ def make_file(folder: str, task: Task, run: str, limit: float, alone: bool = Fal
     Outcome
         Never raises for what a task does.
     """
-    with _ONE_AT_A_TIME:
-        return _make(GeneratedFolder(Path(folder)), task, Attempt(Path(folder), task, run, limit, alone))
+    with _ONE_AT_A_TIME, gathered_warnings() as said:
+        outcome = _make(GeneratedFolder(Path(folder)), task, Attempt(Path(folder), task, run, limit, alone))
+    return replace(outcome, warnings=tuple(said))
 
 
 _ONE_AT_A_TIME = threading.Lock()

@@ -27,7 +27,9 @@ class Outcome:
     seconds : float
         Of computing and storing.
     detail : str
-        Traceback, if any; of at most about `LONGEST_DETAIL` characters.
+        Traceback, if any; of at most `LONGEST_DETAIL` characters.
+    warnings : tuple of (str, str)
+        What this project's packages warned of meanwhile: logger and message.
     """
 
     task: Task
@@ -36,12 +38,13 @@ class Outcome:
     kind: str = ""
     seconds: float = 0.0
     detail: str = field(default="", repr=False)
+    warnings: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         """Make the reason one line that every file and terminal takes, and cut the detail."""
         object.__setattr__(self, "reason", printable(self.reason))
         if len(self.detail) > LONGEST_DETAIL:
-            half = LONGEST_DETAIL // 2
+            half = (LONGEST_DETAIL - 60) // 2
             cut = f"\n... {len(self.detail) - 2 * half:,} characters left out ...\n"
             object.__setattr__(self, "detail", self.detail[:half] + cut + self.detail[-half:])
 

@@ -17,6 +17,7 @@ from evaluation.running.cluster import Cluster
 from evaluation.running.process import polled_interrupts
 from evaluation.running.progress import ProgressCallbacks
 from evaluation.running.task_queue import TaskQueue
+from evaluation.running.task_warnings import repeat_warnings
 from evaluation.running.worker import run_task
 from evaluation.running.worker_watch import LOOK_EVERY, WorkerWatch
 
@@ -92,6 +93,7 @@ def execute(
             future = _next(done, look)
             task, alone = flying.pop(future.key)
             outcome = _outcome(Attempt(folder, task, run, limit, alone), task, future, look, alone)
+            repeat_warnings(outcome)
             future.release()  # or Dask runs it again if the worker that holds the outcome ends
             if outcome.kind == AGAIN:
                 suspects.append(task)

@@ -9,6 +9,7 @@ import time
 import traceback
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from evaluation.running.attempts import AGAIN, Attempt
 from evaluation.running.process import keep_freed_memory, peak_memory, single_thread
 from evaluation.running.read_only import read_only
 from evaluation.running.stages.interface import Inputs
+from evaluation.running.task_warnings import gathered_warnings
 
 SETTLED = 1.0
 """Seconds of a process before it computes anything: Dask never replaces one that ends while it starts."""
@@ -53,8 +55,9 @@ def run_task(folder: str, task: Task, run: str, limit: float, alone: bool = Fals
         Never raises for what a task does, be it that it asks the interpreter to exit. Of kind
         `evaluation.running.attempts.AGAIN`, with nothing computed, if the task has to be tried alone.
     """
-    with _ONE_AT_A_TIME:
-        return _run(ResultsStore(folder), task, Attempt(Path(folder), task, run, limit, alone))
+    with _ONE_AT_A_TIME, gathered_warnings() as said:
+        outcome = _run(ResultsStore(folder), task, Attempt(Path(folder), task, run, limit, alone))
+    return replace(outcome, warnings=tuple(said))
 
 
 _ONE_AT_A_TIME = threading.Lock()

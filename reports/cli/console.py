@@ -103,8 +103,9 @@ def log_messages(quiet: bool) -> Iterator[None]:
     handler.addFilter(lambda record: record.name.partition(".")[0] in PACKAGES)
     root = logging.getLogger()
     level = root.level
+    handler.setLevel(logging.ERROR if quiet else logging.WARNING)  # also of what workers pass on
     root.addHandler(handler)
-    root.setLevel(logging.ERROR if quiet else logging.WARNING)
+    root.setLevel(handler.level)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -115,12 +116,17 @@ def log_messages(quiet: bool) -> Iterator[None]:
 
 
 class _LogLines(logging.Handler):
-    """Every record as one line on standard error."""
+    """Every record as one line on standard error; once, as several workers may say the same."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._said = set[str]()
 
     def emit(self, record: logging.LogRecord) -> None:
-        error_console().print(
-            f"{record.levelname.lower()}: {record.getMessage()}", style="yellow", markup=False, soft_wrap=True
-        )
+        line = f"{record.levelname.lower()}: {record.getMessage()}"
+        if line not in self._said:
+            self._said.add(line)
+            error_console().print(line, style="yellow", markup=False, soft_wrap=True)
 
 
 def say(quiet: bool, text: str) -> None:

@@ -1,3 +1,4 @@
+import logging
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -27,6 +28,17 @@ def test_a_task_is_stored_with_what_it_took(tmp_path, shape_task):
     assert record["versions"]["numpy"] == np.__version__
     assert record["versions"]["python"]
     assert not list((tmp_path / "running").iterdir())
+
+
+def test_what_a_task_warns_of_is_in_its_outcome(tmp_path, monkeypatch, shape_task):
+    real = worker._compute
+
+    def warning(*arguments):
+        logging.getLogger("datasets_gen.checks").warning("a hole")
+        return real(*arguments)
+
+    monkeypatch.setattr(worker, "_compute", warning)
+    assert ("datasets_gen.checks", "a hole") in run_task(str(tmp_path), shape_task, "run", 60).warnings
 
 
 def test_seconds_are_those_of_the_clock_and_of_the_processor(tmp_path, monkeypatch, shape_task):

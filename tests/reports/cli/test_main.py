@@ -1,11 +1,13 @@
 """The command line as a whole: help, suggestions, failures in one line."""
 
+import logging
 import subprocess
 import sys
 
 import pytest
 
 import scanner_sim
+from reports.cli.console import log_messages
 from reports.cli.main import COMMANDS
 from tests.reports.cli.command_line import fails, run
 
@@ -84,3 +86,11 @@ def test_the_installed_command_ends_with_a_status_and_one_line(tmp_path):
     assert done.stdout == ""
     assert done.stderr == "medialbench: 'no.ply' does not exist; give a mesh file\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_warning_is_said_once(capsys):
+    with log_messages(quiet=False):
+        for _ in range(2):
+            logging.getLogger("medial.somewhere").warning("the ice is thin")
+        logging.getLogger("another.library").warning("not ours")
+    assert capsys.readouterr().err == "warning: the ice is thin\n"
