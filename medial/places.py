@@ -62,7 +62,7 @@ def distinct_places(points: NDArray[np.floating], normals: NDArray[np.floating] 
     unit = None if normals is None else unit_normals(given, normals)
     stray = stray_points(given)
     if stray.any():
-        log.warning("%s: they set no scale and carry no area", words(stray))
+        log.warning("%s: left out of scale and areas", words(stray))
     body = given[~stray]
     places, which, counts = np.unique(body, axis=0, return_inverse=True, return_counts=True)
     which = which.ravel()
