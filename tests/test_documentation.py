@@ -173,8 +173,8 @@ def test_every_key_of_an_experiment_is_explained():
 def test_your_own_data_is_a_data_set(folder):
     """The folder that the page makes is loaded, and its experiment can be read."""
     run(blocks("your-own-data.md", "python")[0])
-    (folder / "tubes.toml").write_text(blocks("your-own-data.md", "toml")[0])
-    settings = Experiment.load("tubes.toml")
+    (folder / "star.toml").write_text(blocks("your-own-data.md", "toml")[0])
+    settings = Experiment.load("star.toml")
     assert [method.name for method in settings.method] == ["medial", "heat"]
     section = settings.dataset[0]
     body = load(section.name, poses=section.poses, **section.options)

@@ -65,7 +65,8 @@ def write_map(
             table = np.column_stack([np.arange(len(ids)) + first, ids, sure])
             np.savetxt(temporary, table, fmt="%d,%d,%.6g", header=head, comments="")
         elif suffix == ".txt":
-            np.savetxt(temporary, np.column_stack([ids, sure]), fmt="%d %.6g", header=said, encoding="utf-8")
+            head = f"{said}; the second column is the confidence"
+            np.savetxt(temporary, np.column_stack([ids, sure]), fmt="%d %.6g", header=head, encoding="utf-8")
         else:
             np.savetxt(temporary, ids, fmt="%d")
 

@@ -82,7 +82,7 @@ class MapScore:
             **({} if self.least is None else {"least mean": 100 * self.least}),
             "median": 100 * float(np.median(self.counted)),
             "max": 100 * float(self.counted.max()),
-            **{f"PCK {100 * at:g} %": 100 * float(b) for at, b in zip(LEVELS, below, strict=True)},
+            **{f"PCK@{100 * at:g} %": 100 * float(b) for at, b in zip(LEVELS, below, strict=True)},
             "AUC": 100 * area_under_curve(curve),
             **({} if self.symmetric is None else {"symmetric mean": 100 * self.symmetric}),
             **({} if self.flipped is None else {"flipped": self.flipped}),

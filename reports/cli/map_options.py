@@ -170,7 +170,7 @@ def draw_map(
     found: "Matching",
     name: str = "map",
 ) -> None:
-    """Draw the map between the matched points into a file; one of several says its name and probability."""
+    """Draw the map between the matched points into a file; it says its name, and its probability if known."""
     from reports.figures.cloud_drawing import DrawnCloud
     from reports.figures.dense_map import dense_map
     from reports.figures.style import save
@@ -179,8 +179,8 @@ def draw_map(
         DrawnCloud(c.scan.points, c.scan.normals, name) for c, name in zip(clouds, names, strict=True)
     )
     up = "xyz".index(clouds[0].scan.config.up)
-    several = found.alternatives or name != "map"
-    heading = ", ".join(filter(None, [name, probability_words(found)])) if several else ""
+    likely = probability_words(found)
+    heading = ", ".join(filter(None, [name, likely])) if likely or name != "map" else ""
     figure = dense_map(
         here, there, found.source_to_target, found.confidence, found.landmarks, up=up, heading=heading
     )

@@ -146,6 +146,8 @@ def match(
     say(quiet, f"{summary(whole, len(found))}{likely}{said_of_kinds((here, there))}; written to {out}")
     for line in doubts:
         say(quiet, line)
+    if alternatives and not written:
+        say(quiet, "no alternative to write: no other map is probable enough")
     shown = [str(each) for each in (picture, view) if each is not None]
     if shown:
         say(quiet, f"drawn: {', '.join(shown)}")

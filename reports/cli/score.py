@@ -142,7 +142,7 @@ def _truth(files: tuple[Path, ...], found: "PointMap", mesh: "Shape") -> "PointM
         if len(found) != len(mesh.vertices):
             raise InputError(
                 f"the map has {len(found)} points and the target {len(mesh.vertices)} vertices, so point i "
-                "is not vertex i; give the right map with --truth"
+                "is not vertex i; give the right map with --truth, or the matched scans with --scans"
             )
         return PointMap(np.arange(len(found)))
     read = [read_map(path) for path in files]

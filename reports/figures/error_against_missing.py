@@ -39,10 +39,13 @@ def error_against_missing(table: pd.DataFrame) -> Figure:
             missing = 50 * (part["source_missing"] + part["target_missing"]).to_numpy()
             error = part["geodesic_mean"].to_numpy()
             axes.plot(missing, error, ".", color=styles[name]["color"], alpha=0.7, markersize=8, mew=0)
-            axes.plot(*_medians(missing, error), **styles[name], label=as_label(name))
-            if "seed" in part and part["seed"].nunique() > 1:
-                band = seed_band(missing, error, part["seed"].to_numpy())
-                axes.fill_between(*band, color=styles[name]["color"], alpha=0.15, lw=0)
+            seeds = part["seed"].to_numpy() if "seed" in part else np.zeros(len(part), int)
+            groups = groups_of(seeds)
+            axes.plot(*_medians(missing, error, groups), **styles[name], label=as_label(name))
+            if len(np.unique(seeds)) > 1 and groups > 1:
+                band = seed_band(missing, error, seeds)
+                if band[0][0] < band[0][-1]:  # else the seeds' lines have no place in common
+                    axes.fill_between(*band, color=styles[name]["color"], alpha=0.15, lw=0)
         axes.set_title(dataset)
         axes.set_xlabel("missing surface, mean of both scans, %")
     grid[0][0].set_ylim(bottom=0)
@@ -74,15 +77,21 @@ def seed_band(
     missing, low, high : (BAND,) float64
         Least and greatest value of the seeds' lines where all of them are defined.
     """
-    lines = [_medians(missing[seeds == seed], error[seeds == seed]) for seed in np.unique(seeds)]
+    groups = groups_of(seeds)
+    lines = [_medians(missing[seeds == seed], error[seeds == seed], groups) for seed in np.unique(seeds)]
     start, end = max(x[0] for x, _ in lines), min(x[-1] for x, _ in lines)
     at = np.linspace(start, max(start, end), BAND)
     values = np.array([np.interp(at, *line) for line in lines])
     return at, values.min(axis=0), values.max(axis=0)
 
 
-def _medians(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[list[float], list[float]]:
-    """Medians of up to six groups of equal size along x."""
-    order = np.argsort(x, kind="stable")
-    groups = [g for g in np.array_split(order, min(6, max(1, len(x) // 2))) if len(g)]
+def groups_of(seeds: NDArray[np.integer]) -> int:
+    """Groups along a line, for all seeds and for each alike: up to six, of two maps of a seed at least."""
+    fewest = int(np.unique(seeds, return_counts=True)[1].min())
+    return min(6, max(1, fewest // 2))
+
+
+def _medians(x: NDArray[np.float64], y: NDArray[np.float64], count: int) -> tuple[list[float], list[float]]:
+    """Medians of groups of equal size along x."""
+    groups = np.array_split(np.argsort(x, kind="stable"), count)
     return [float(np.median(x[g])) for g in groups], [float(np.median(y[g])) for g in groups]

@@ -23,7 +23,7 @@ IDENTITY = PointMap(ALL)
 def test_the_right_map_has_no_error():
     found = score_map(IDENTITY, IDENTITY, SPHERE)
     assert np.abs(found.errors).max() < 1e-9
-    assert found.summary()["PCK 1 %"] == 100
+    assert found.summary()["PCK@1 %"] == 100
     assert found.summary()["AUC"] == pytest.approx(100)
 
 
@@ -54,7 +54,7 @@ def test_a_point_without_a_match_counts_like_a_random_one():
     found = score_map(PointMap(np.full(len(ALL), -1)), IDENTITY, SPHERE)
     assert found.matched == 0
     assert np.allclose(found.counted, (np.pi / 2) / np.sqrt(4 * np.pi), rtol=0.05)
-    assert found.summary()["PCK 20 %"] == 0
+    assert found.summary()["PCK@20 %"] == 0
 
 
 def test_points_whose_right_place_is_unknown_are_left_out():

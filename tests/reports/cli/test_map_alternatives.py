@@ -60,7 +60,7 @@ def test_pictures_of_several_maps_say_which_one_they_show(clouds, found, tmp_pat
     for map_, name in (
         (found, {}),
         (found.as_alternatives()[0], {"name": "alternative 2"}),
-        (replace(found, alternatives=()), {}),
+        (replace(found, alternatives=(), probability=np.nan), {}),
     ):
         draw_map(tmp_path / "m.png", clouds, ("a", "b"), map_, **name)
     said = [figure.get_suptitle() for figure in figures]
