@@ -169,8 +169,9 @@ def prepared_pair(
 
 def check_pair(found: Matching, source: Scan, target: Scan) -> None:
     """Raise InputError unless a map goes from one cloud to another, as far as it can be told."""
-    if not isinstance(found, Matching) or np.asarray(found.source_to_target).dtype.kind not in "iu":
-        what = "Matching without integer ids" if isinstance(found, Matching) else type(found).__name__
+    ids = found.source_to_target if isinstance(found, Matching) else None
+    if not isinstance(ids, np.ndarray) or ids.dtype.kind not in "iu" or ids.ndim != 1:
+        what = type(found).__name__ if ids is None else "Matching without a column of integer ids"
         raise InputError(
             f"a {what} is no map; give what match() returns, or evaluation.methods.dense(ids, confidence)"
         )
@@ -179,6 +180,9 @@ def check_pair(found: Matching, source: Scan, target: Scan) -> None:
     if len(found) and found.source_to_target.max() >= len(target):
         last = found.source_to_target.max()
         raise InputError(f"the map does not fit: it names target point {last}, the target has {len(target)}")
+    sure = np.asarray(found.confidence)
+    if sure.shape != ids.shape or not ((sure >= 0) & (sure <= 1)).all():
+        raise InputError("the map needs a confidence in [0, 1] for every source point, none of them NaN")
     check_matched(found.source_points, source, "source")
     check_matched(found.target_points, target, "target")
 

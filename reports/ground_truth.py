@@ -13,12 +13,13 @@ from evaluation.metrics.correspondence import SurfacePoints, correspondence_erro
 from evaluation.metrics.diffusion_error import diffusion_error
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.map_score import MapScore, score_scans
+from evaluation.metrics.scanned_subject import check_subject
 from medial import Diffusion, Matching
 from reports.given_clouds import check_pair
 from scanner_sim import Scan, sample
 
 ON_SURFACE = 1e-3
-"""Largest median distance, in sqrt(area), of a scan's exact hits from where a pose has them."""
+"""Largest median change, in sqrt(area), of distances between a scan's exact hits, on the pose they are of."""
 
 
 def rest_pose(body: Collection | Shape) -> Shape:
@@ -57,13 +58,23 @@ def places_on(body: Collection | Shape, scan: Scan, name: str) -> SurfacePoints:
         raise InputError(
             f"the {name} has no ground truth (face ids of -1); give a scan made by scan() or sample()"
         )
+    poses = (rest, *body) if isinstance(body, Collection) else (rest,)
+    places = SurfacePoints(scan.face_ids, scan.barycentrics)
+    scanned = next((pose for pose in poses if pose.name == scan.shape_name), None)
+    if scanned is not None:
+        if not _hit(scanned, places, scan):
+            raise InputError(
+                f"the {name} is a scan of {scan.shape_name!r}, but not of the one given: its points lie "
+                "elsewhere on these faces; give the body that was scanned, with its faces in their order"
+            )
+        if isinstance(body, Collection):
+            places = SurfacePoints(*body.on_reference(scanned, scan.face_ids, scan.barycentrics))
+        return places
     if len(scan) and scan.face_ids.max() >= len(rest.faces):
         raise InputError(
             f"the {name} has points on face {scan.face_ids.max()}, but {rest.name!r} has {len(rest.faces)} "
             "faces; give the body that was scanned"
         )
-    places = SurfacePoints(scan.face_ids, scan.barycentrics)
-    poses = (rest, *body) if isinstance(body, Collection) else (rest,)
     subject = scan.shape_name.rpartition("/")[0]
     untold = not subject and isinstance(body, Shape)  # a scan of a file, and one pose: any other may be meant
     if subject != body.subject and not untold and not any(_hit(pose, places, scan) for pose in poses):
@@ -71,13 +82,22 @@ def places_on(body: Collection | Shape, scan: Scan, name: str) -> SurfacePoints:
             f"the {name} is a scan of {scan.shape_name!r}, which is no pose of {body.subject!r}; "
             "give the body that was scanned"
         )
+    check_subject(scan, rest)
     return places
 
 
 def _hit(pose: Shape, places: SurfacePoints, scan: Scan) -> bool:
-    """Whether a scan was made of a pose: its exact hits are where the pose has their faces."""
-    gaps = np.linalg.norm(places.on(pose) - scan.true_points, axis=1)
-    return not len(scan) or bool(np.median(gaps) <= ON_SURFACE * np.sqrt(pose.area))
+    """Whether a scan was made of a pose, turned, moved and scaled or not.
+
+    Its exact hits are then as far from each other as where the pose has their faces.
+    """
+    if len(scan) < 2:
+        return True
+    if scan.face_ids.max() >= len(pose.faces):
+        return False
+    there, here = (np.linalg.norm(np.diff(p, axis=0), axis=1) for p in (places.on(pose), scan.true_points))
+    scale = float(np.median(here)) / max(float(np.median(there)), np.finfo(float).tiny)
+    return bool(np.median(np.abs(here - scale * there)) <= ON_SURFACE * scale * np.sqrt(pose.area))
 
 
 def geodesic_error_of_map(

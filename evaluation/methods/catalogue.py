@@ -54,7 +54,7 @@ def find(name: str) -> type[Method]:
     if cls is None:
         own = [n for n, each in vars(module).items() if getattr(each, "__module__", "") == module.__name__]
         said = did_you_mean(attribute, own)
-        raise InputError(f"{name!r} is no method: {home!r} has no {attribute!r}{said}")
+        raise InputError(f"{name!r} is no method: {home!r} has no {attribute!r}{said.rstrip(';')}")
     if not (isinstance(cls, type) and issubclass(cls, Method)):
         raise InputError(
             f"{name!r} is no method: {attribute!r} in {home!r} does not derive from evaluation.methods.Method"

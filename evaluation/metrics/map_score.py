@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from datasets_gen.correspondences.point_map import PointMap
 from datasets_gen.mesh_placement import MeshPlacement
@@ -20,16 +19,14 @@ from evaluation.metrics.correspondence import (
 )
 from evaluation.metrics.geodesic import SurfaceDistance
 from evaluation.metrics.limbs import Limbs, find_limbs, limb_shares
+from evaluation.metrics.scanned_subject import check_subject
 from scanner_sim import Scan
 
-NEIGHBOURS_KEPT = 0.85
-"""The least `neighbours_kept` of a scan on a pose of its subject. Of the built-in bodies it is at least .9
-with 60 points and .99 with 500; on the mesh of another body at most .9 and .79."""
 LEVELS = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
 """Errors at which the share of points below is told, in sqrt(area)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MapScore:
     """Errors of a map at the source points whose right place is known.
 
@@ -65,6 +62,12 @@ class MapScore:
     least: float | None = None
     right_limb: float | None = None
     mirror_limb: float | None = None
+
+    def __repr__(self) -> str:
+        """Name the number of points and the mean errors, x 100 / sqrt(area)."""
+        least = "" if self.least is None else f", least {100 * self.least:.2f}"
+        mean = f"{100 * self.counted.mean():.2f}" if len(self.counted) else "unknown"
+        return f"MapScore({len(self.errors)} points, mean {mean}{least})"
 
     @property
     def matched(self) -> float:
@@ -190,12 +193,7 @@ def score_scans(
                 f"the scan of {scan.shape_name!r} names faces {scan.face_ids.min()} to {scan.face_ids.max()} "
                 f"of a mesh of {len(mesh.faces)}; give a pose of the subject that was scanned"
             )
-        kept = neighbours_kept(scan, mesh)
-        if kept < NEIGHBOURS_KEPT:
-            raise InputError(
-                f"the mesh is no pose of the subject of the scan of {scan.shape_name!r}: {kept:.0%} of its "
-                "points keep their neighbours there; give a pose of the subject that was scanned"
-            )
+        check_subject(scan, mesh)
     subjects = [scan.shape_name.rpartition("/")[0] for scan in (source, target)]
     if all(subjects) and subjects[0] != subjects[1]:
         raise InputError(
@@ -206,23 +204,6 @@ def score_scans(
     truth = PointMap(source.face_ids.astype(np.int64), source.barycentrics)
     reached = SurfacePoints(target.face_ids, target.barycentrics)
     return score_map(PointMap(ids, weights, found.confidence), truth, mesh, None, area, reached, mirror)
-
-
-def neighbours_kept(scan: Scan, mesh: Shape) -> float:
-    """Share of a scan's points whose nearest neighbour is as near on a mesh, up to scale and a factor of 2.
-
-    Near 1 on any pose of the subject that was scanned; less where the faces are those of another mesh.
-    """
-    if len(scan) < 2:
-        return 1.0
-    there = mesh.at(scan.face_ids, scan.barycentrics)
-    gap, nearest = (column[:, 1] for column in cKDTree(scan.true_points).query(scan.true_points, k=2))
-    apart = gap > 0
-    if not apart.any():
-        return 1.0
-    change = np.linalg.norm(there[nearest] - there, axis=1)[apart] / gap[apart]
-    usual = float(np.median(change))
-    return float(((change >= usual / 2) & (change <= 2 * usual)).mean())
 
 
 def truth_of_pair(source: PointMap, target: PointMap, vertices: int) -> PointMap:

@@ -39,6 +39,7 @@ SETTINGS = {
     "distributed.nanny.pre-spawn-environ.OMP_NUM_THREADS": 1,
     "distributed.nanny.pre-spawn-environ.OPENBLAS_NUM_THREADS": 1,
     "distributed.nanny.pre-spawn-environ.MKL_NUM_THREADS": 1,
+    "distributed.nanny.pre-spawn-environ.PYTHONSAFEPATH": 1,  # or a user's struct.py hides the library's
 }
 
 LOOPBACK = "127.0.0.1"

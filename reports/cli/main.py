@@ -1,6 +1,7 @@
 """Command line ``medialbench``: the group of commands, each imported when it is asked for."""
 
 import difflib
+import io
 import sys
 from collections.abc import MutableMapping, Sequence
 from importlib import import_module
@@ -108,6 +109,9 @@ def cli(ctx: click.Context) -> None:
 
 def main() -> None:
     """Entry point of the ``medialbench`` command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal that is not UTF-8 gets a ? for what it lacks
     cli.main()
 
 

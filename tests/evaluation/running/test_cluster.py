@@ -1,4 +1,5 @@
 import os
+import sys
 from importlib import import_module
 
 import pytest
@@ -51,6 +52,10 @@ def listening(pid):
 def local(tmp_path_factory):
     with connect(tmp_path_factory.mktemp("results"), 2, None) as cluster:
         yield cluster
+
+
+def test_files_beside_an_experiment_hide_no_library_from_workers(local):
+    assert set(local.client.run(lambda: sys.flags.safe_path).values()) == {True}
 
 
 def test_a_local_cluster_listens_on_loopback_alone(local):

@@ -1,6 +1,9 @@
 """The commands that read a results folder."""
 
+import os
 import shutil
+import subprocess
+import sys
 
 import pytest
 from click.testing import CliRunner
@@ -123,3 +126,15 @@ def test_data_sets_and_seeds_replace_those_of_a_preset():
     changed = load_experiment("matching", ("human_asymmetric",), 2)
     assert changed.seeds == (0, 1)
     assert [(each.name, each.poses) for each in changed.dataset] == [("human_asymmetric", 4)]
+
+
+def test_a_terminal_that_is_not_utf_8_gets_its_table(results):
+    code = "from reports.cli.main import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "compare", str(results)],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        check=True,
+    )
+    assert b"medial diffusion" in done.stdout
+    assert b"errors ? 100" in done.stdout
