@@ -62,7 +62,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise InputError(f"cannot write {str(target)!r}: it {what}; choose another name, or remove it")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
+        start = f".{target.stem[:30]}-"  # a name of full length has no room for more letters
+        handle, name = tempfile.mkstemp(prefix=start, suffix=target.suffix, dir=target.parent)
     except OSError as error:
         raise cannot_write(target, error) from error
     os.close(handle)

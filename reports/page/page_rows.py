@@ -71,7 +71,7 @@ def page_json(
 def _shown_of_partial(maps: pd.DataFrame) -> list[str]:
     """Columns that are shown at first because the scans of some regime share little surface."""
     little = "overlap" in maps and share_little(maps).any()
-    return ["oracle_mean", "right_limb"] if little else []
+    return ["oracle_mean", "right_limb", "probability"] if little else []
 
 
 def pair_key(row: Mapping[str, Any]) -> str:

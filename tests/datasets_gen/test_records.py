@@ -145,3 +145,11 @@ def test_files_of_earlier_versions_do_not_count_their_arrays(tmp_path):
     np.savez(tmp_path / "a.npz", kind=np.array("Test"), meta=np.array('{"units": "m"}'), x=np.arange(3))
     arrays, meta = load_record(tmp_path / "a.npz", "Test")
     assert (arrays["x"].tolist(), meta) == ([0, 1, 2], {"units": "m"})
+
+
+def test_a_name_of_full_length_can_be_written(tmp_path):
+    path = tmp_path / f"{251 * 'x'}.npz"
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(b"1")
+        assert leftovers(tmp_path) == [temporary]
+    assert path.read_bytes() == b"1"
