@@ -22,7 +22,7 @@ from evaluation.generation.sample_making import FailedSample, samples_of
 from evaluation.generation.sample_plan import SamplePlan
 from evaluation.results.outcome import Outcome, one_line
 from evaluation.running.attempts import Attempt
-from evaluation.running.process import keep_freed_memory, single_thread
+from evaluation.running.process import forget_safe_path, keep_freed_memory, single_thread
 from evaluation.running.task_warnings import gathered_warnings
 
 BYTES_PER_POINT = 72
@@ -60,6 +60,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 def _make(folder: GeneratedFolder, task: Task, attempt: Attempt) -> Outcome:
     keep_freed_memory()
+    forget_safe_path()
     lost = attempt.lost()
     if lost:
         kind, reason, detail = lost

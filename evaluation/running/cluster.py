@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from datasets_gen.records import InputError, cannot_write
 from evaluation.running.environment import usable_processors, versions
 from evaluation.running.local_workers import allow_open_files, local_cluster
-from evaluation.running.process import hold_interrupts
+from evaluation.running.process import SAFE_PATH, hold_interrupts
 from evaluation.running.scheduler_check import check_scheduler
 from evaluation.running.tls import TlsFiles, certificate_of_this_run, security_of
 
@@ -39,8 +39,11 @@ SETTINGS = {
     "distributed.nanny.pre-spawn-environ.OMP_NUM_THREADS": 1,
     "distributed.nanny.pre-spawn-environ.OPENBLAS_NUM_THREADS": 1,
     "distributed.nanny.pre-spawn-environ.MKL_NUM_THREADS": 1,
-    "distributed.nanny.pre-spawn-environ.PYTHONSAFEPATH": 1,  # or a user's struct.py hides the library's
+    "distributed.nanny.pre-spawn-environ.PYTHONSAFEPATH": SAFE_PATH,  # or a user's struct.py hides Python's
 }
+
+SPAWNED = [name.rpartition(".")[2] for name in SETTINGS if "pre-spawn-environ" in name] + ["PYTHONHASHSEED"]
+"""Variables of the environment that Dask sets before it starts a worker."""
 
 LOOPBACK = "127.0.0.1"
 
@@ -106,6 +109,7 @@ def connect(
     import_module("distributed")  # adds its own settings, before some are replaced for a while
     with dask.config.set({**SETTINGS, **_web_pages(dashboard)}), contextlib.ExitStack() as stack:
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        stack.callback(_put_back, {name: os.environ.get(name) for name in SPAWNED})
         if scheduler is None:
             client = _start(stack, jobs or usable_processors(), dashboard)
         else:
@@ -115,6 +119,15 @@ def connect(
         threads = sum(client.nthreads().values())
         shown = _dashboard(client) if dashboard or (scheduler and find_spec("bokeh")) else ""
         yield Cluster(client, threads, shown, 60.0 if scheduler is None else 3600.0)
+
+
+def _put_back(environment: Mapping[str, str | None]) -> None:
+    """Set variables of the environment again: Dask leaves them here as its workers get them."""
+    for name, value in environment.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
 
 
 def _web_pages(dashboard: bool) -> dict[str, list[str]]:

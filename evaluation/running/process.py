@@ -3,6 +3,7 @@
 import contextlib
 import ctypes
 import functools
+import os
 import signal
 import sys
 import threading
@@ -10,6 +11,15 @@ from collections.abc import Callable, Iterator
 from multiprocessing import resource_tracker
 from pathlib import Path
 from types import FrameType
+
+SAFE_PATH = "medialbench"
+"""``PYTHONSAFEPATH`` of a worker while it starts: it imports nothing from the current folder."""
+
+
+def forget_safe_path() -> None:
+    """Let what a task starts import what lies beside its script: the setting was for this process alone."""
+    if os.environ.get("PYTHONSAFEPATH") == SAFE_PATH:
+        del os.environ["PYTHONSAFEPATH"]
 
 
 @contextlib.contextmanager

@@ -19,7 +19,7 @@ from evaluation.experiment.tasks import STAGES, Task
 from evaluation.results.outcome import Outcome, one_line
 from evaluation.results.store import ResultsStore
 from evaluation.running.attempts import AGAIN, Attempt
-from evaluation.running.process import keep_freed_memory, peak_memory, single_thread
+from evaluation.running.process import forget_safe_path, keep_freed_memory, peak_memory, single_thread
 from evaluation.running.read_only import read_only
 from evaluation.running.stages.interface import Inputs
 from evaluation.running.task_warnings import gathered_warnings
@@ -65,6 +65,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 def _run(store: ResultsStore, task: Task, attempt: Attempt) -> Outcome:
     keep_freed_memory()
+    forget_safe_path()
     lost = attempt.lost()
     if lost:
         kind, reason, detail = lost

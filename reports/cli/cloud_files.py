@@ -71,7 +71,17 @@ class ThinnedCloud:
         """Pick at most `points` points by farthest-point sampling, none of them stray.
 
         The seed picks the first; `name` is for the message. `unused` points, of no surface, count as stray.
+
+        Raises
+        ------
+        InputError
+            If there are too few points to match.
         """
+        from medial.validation import FEWEST_POINTS
+
+        if len(scan) < FEWEST_POINTS:
+            few = counted(len(scan), "point")
+            raise InputError(f"{name} has {few}: too few; give at least {FEWEST_POINTS}")
         away = np.zeros(len(scan), dtype=bool) if unused is None else unused.copy()
         stray = stray_points(scan.points[~away])
         if stray.any():
@@ -245,17 +255,15 @@ def with_normals(scan: "Scan", name: str, warn: bool = True) -> "Scan":
     Raises
     ------
     InputError
-        If there are too few points, or if normals have to be estimated and single precision has left too
-        little of the coordinates.
+        If normals have to be estimated, and there is but one point, or single precision has left too little
+        of the coordinates.
     """
-    from medial.validation import FEWEST_POINTS
-
-    if len(scan) < FEWEST_POINTS:
-        raise InputError(f"{name} has {counted(len(scan), 'point')}: too few; give at least {FEWEST_POINTS}")
     sound = with_sound_normals(PointCloud(scan.points, scan.normals))
     rounding, seen = rounding_of(scan.points), len(scan.poses) > 0 and bool((scan.view_ids >= 0).all())
     if sound.normals is None and rounding.hopeless and not seen:
         raise InputError(f"{name} has no normals, and none can be estimated: {rounding.words()}")
+    if sound.normals is None and len(scan) == 1:
+        raise InputError(f"{name} has 1 point and no normals, and none can be estimated; give more points")
     said = [f"{name}: {line}" for line in (*sound.remarks, rounding.words()) if line]
     if lacking_normals(scan.normals).all():
         said.append(f"{name} has no normals: estimated; give them where the scanner knows them")

@@ -58,6 +58,14 @@ def test_files_beside_an_experiment_hide_no_library_from_workers(local):
     assert set(local.client.run(lambda: sys.flags.safe_path).values()) == {True}
 
 
+def test_the_environment_is_as_before(tmp_path, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    before = dict(os.environ)
+    with connect(tmp_path, 1, None):
+        pass
+    assert dict(os.environ) == before
+
+
 def test_a_local_cluster_listens_on_loopback_alone(local):
     psutil = pytest.importorskip("psutil")
     workers = list(local.client.run(os.getpid).values())

@@ -123,7 +123,8 @@ def test_each_vertex_of_a_mesh_is_a_point(tmp_path, caplog):
 def test_vertices_of_no_face_that_are_no_numbers_are_refused(tmp_path):
     content = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
     (tmp_path / "a.obj").write_text(content)
-    assert len(read_thinned(tmp_path / "a.obj", 20, on="vertices").points) == 4
+    with pytest.raises(InputError, match=r"a\.obj' has 4 points: too few; give at least 8"):
+        read_thinned(tmp_path / "a.obj", 20, on="vertices")
     np.savez(tmp_path / "a.npz", points=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, np.nan]], faces=[[0, 1, 2]])
     with pytest.raises(InputError, match="1 vertex of no face that are NaN or infinite"):
         read_thinned(tmp_path / "a.npz", 20, on="vertices")
