@@ -1,6 +1,7 @@
 """The ground truth of a scan on the rest pose of its body: for errors in one call."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -130,12 +131,17 @@ def score(matching: Matching, source: Scan, target: Scan, body: Collection | Sha
     InputError
         If a scan has no ground truth or is of another body, or the map is not between these scans.
     """
-    for scan, name in ((source, "source"), (target, "target")):
-        places_on(body, scan, name)
+    here, there = places_on(body, source, "source"), places_on(body, target, "target")
     check_pair(matching, source, target)
+    source, target = _placed(source, here), _placed(target, there)
     found = PointMap(matching.source_to_target, confidence=matching.confidence)
     mirror = body.mirror if isinstance(body, Collection) else None
     return score_scans(found, source, target, rest_pose(body), mirror=mirror)
+
+
+def _placed(scan: Scan, places: SurfacePoints) -> Scan:
+    """The scan with faces of the rest pose, where its pose has a mesh of its own."""
+    return replace(scan, face_ids=np.asarray(places.face_ids, np.int32), barycentrics=places.barycentrics)
 
 
 def diffusion_error_of_scan(
@@ -149,5 +155,5 @@ def diffusion_error_of_scan(
         Diffusion.from_points(each.points, each.normals, operator=operator, modes=modes, **settings)
         for each in (complete, scan)
     )
-    normals = face_normals(rest.vertices, rest.faces)[scan.face_ids]
+    normals = face_normals(rest.vertices, rest.faces)[places.face_ids]
     return diffusion_error(reference, cloud, places.on(rest), normals, rest.area, seed=seed).eq18

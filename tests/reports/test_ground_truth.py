@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
+from scipy.spatial import cKDTree
 
 import medialbench as mb
 from datasets_gen import InputError
@@ -67,6 +69,26 @@ def test_a_pose_may_be_turned_and_in_another_unit(body, scans, found):
     turned = replace(body["rest"], vertices=1000 * body["rest"].vertices[:, [1, 2, 0]] + 7)
     np.testing.assert_allclose(mb.geodesic_error(found, *scans, turned), expected, rtol=1e-6)
     assert np.isfinite(mb.geodesic_error(found, *scans, body)).all()
+
+
+def test_poses_with_a_mesh_of_their_own_lie_on_the_reference(tmp_path):
+    """A set of two meshes whose vertices correspond by a file: the same surface, faces in another order."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    order = np.random.default_rng(0).permutation(len(ball.vertices))
+    faces = np.argsort(order)[ball.faces][::-1]
+    for name in ("shapes", "maps"):
+        (tmp_path / name).mkdir()
+    vertices = ball.vertices * [1, 1.4, 2]
+    trimesh.Trimesh(vertices, ball.faces, process=False).export(tmp_path / "shapes" / "B.off")
+    trimesh.Trimesh(vertices[order], faces, process=False).export(tmp_path / "shapes" / "A.off")
+    np.savetxt(tmp_path / "maps" / "A_B.map", order, fmt="%d")
+    body = mb.load(tmp_path, reference="B")
+    a, b = mb.sample(body["A"], 300, seed=1), mb.sample(body["B"], 300, seed=2)
+    nearest = cKDTree(b.true_points).query(a.true_points)[1]
+    found = dense(nearest, np.ones(300))
+    told = mb.score(found, a, b, body)
+    assert mb.geodesic_error(found, a, b, body).mean() == pytest.approx(100 * told.counted.mean())
+    assert told.counted.mean() < 1.1 * told.least  # the nearest point is the best there is
 
 
 @pytest.mark.parametrize(
