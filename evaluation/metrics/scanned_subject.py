@@ -12,7 +12,7 @@ NEIGHBOURS_KEPT = 0.85
 """The least `neighbours_kept` of a scan on a pose of its subject. Of the built-in bodies it is at least .9
 with 60 points and .99 with 500; on the mesh of another body at most .9 and .79."""
 NEAR = 3.0
-"""Neighbours are no farther from each other on a pose of the subject than this times what its size asks for."""
+"""Neighbours are no farther apart on a pose of the subject than this times what its size asks for."""
 
 
 def check_subject(scan: Scan, mesh: Shape) -> None:
