@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from datasets_gen.meshes.geometry import scaled_face_normals, solid_faces
+from datasets_gen.meshes.geometry import directed_edges, scaled_face_normals, solid_faces, undirected_edges
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 
@@ -19,15 +19,9 @@ LARGEST = 1e70  # coordinate; areas and their squares of larger meshes are infin
 OPEN = 0.1  # length of the mean face normal from which on a mesh is open; 0 if closed, 1 if flat
 
 
-def directed_edges(faces: NDArray[np.integer]) -> NDArray[np.int64]:
-    """The edges of every face in the order of its winding, (3 f, 2); rows f, f + F, f + 2F are one face."""
-    return np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
-
-
 def edge_face_counts(faces: NDArray[np.integer]) -> NDArray[np.int64]:
-    """How many faces meet at each undirected edge, (edges,): 2 everywhere on a closed manifold."""
-    edges = np.sort(directed_edges(faces), axis=1)
-    return np.unique(edges, axis=0, return_counts=True)[1]
+    """How many faces meet at each undirected edge, (edges,)."""
+    return undirected_edges(faces)[1]
 
 
 def winding_conflicts(faces: NDArray[np.integer]) -> int:
@@ -55,9 +49,10 @@ def looks_inward(vertices: NDArray[np.float64], faces: NDArray[np.integer]) -> b
     An open surface such as a relief has no inside, and its normals do not cancel: false if their sum, over
     the area, exceeds `OPEN`.
     """
+    if not signed_volume(vertices, faces) < 0:
+        return False
     normals = scaled_face_normals(vertices, faces)
-    closed = np.linalg.norm(normals.sum(axis=0)) <= OPEN * np.linalg.norm(normals, axis=1).sum()
-    return bool(closed) and signed_volume(vertices, faces) < 0
+    return bool(np.linalg.norm(normals.sum(axis=0)) <= OPEN * np.linalg.norm(normals, axis=1).sum())
 
 
 def check_mesh(shape: Shape, *, allow_flat: bool = False) -> tuple[str, ...]:
@@ -129,7 +124,7 @@ def repeated_corners(faces: NDArray[np.integer]) -> NDArray[np.bool_]:
 
 
 def _check_topology(shape: Shape) -> None:
-    edges, counts = np.unique(np.sort(directed_edges(shape.faces), axis=1), axis=0, return_counts=True)
+    edges, counts = undirected_edges(shape.faces)
     crowded = edges[counts > 2]
     if len(crowded):
         raise InputError(

@@ -44,6 +44,13 @@ class OrientedCloud:
         return cKDTree(self.points)
 
 
+def check_enough(points: int, name: str = "") -> None:
+    """Raise InputError, with the name of the cloud if there is one, for too few points."""
+    if points < FEWEST_POINTS:
+        has = f"{name} has " if name else ""
+        raise InputError(f"{has}{counted(points, 'point')}: too few; give at least {FEWEST_POINTS}")
+
+
 def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return `points` as (n, 3) float64.
 
@@ -56,8 +63,7 @@ def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     checked: NDArray[np.float64] = np.ascontiguousarray(real_array(points, "the cloud"))
     if checked.ndim != 2 or checked.shape[1] != 3:
         raise InputError(f"points have shape {checked.shape}; give an (n, 3) array")
-    if len(checked) < FEWEST_POINTS:
-        raise InputError(f"{counted(len(checked), 'point')}: too few; give at least {FEWEST_POINTS}")
+    check_enough(len(checked))
     bad = ~np.isfinite(checked).all(axis=1)
     if bad.any():
         raise InputError(

@@ -11,7 +11,7 @@ from datasets_gen import Collection, InputError, Shape
 from datasets_gen.values import check_count
 from medial import Diffusion, Matching
 from reports.cli.cloud_files import file_kind
-from reports.cli.map_options import probability_words
+from reports.cli.map_options import map_heading
 from reports.figures.cloud_drawing import DrawnCloud
 from reports.figures.dense_map import dense_map
 from reports.figures.diffusion_modes import diffusion_modes
@@ -164,7 +164,6 @@ def _clouds_of(found: Matching, others: tuple[Any, ...]) -> tuple[Scan, Scan]:
 def _map(found: Matching, others: tuple[Any, ...], height: int, up: int) -> Figure:
     source, target = _clouds_of(found, others)
     here, there = (DrawnCloud(c.points, c.normals, _caption(c)) for c in (source, target))
-    likely = probability_words(found)
     return dense_map(
         here,
         there,
@@ -173,5 +172,5 @@ def _map(found: Matching, others: tuple[Any, ...], height: int, up: int) -> Figu
         found.landmarks,
         height=height,
         up=up,
-        heading=f"map, {likely}" if likely else "",
+        heading=map_heading(found),
     )

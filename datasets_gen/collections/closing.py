@@ -7,8 +7,8 @@ from collections.abc import Set
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.checks import directed_edges, edge_face_counts, face_components, repeated_corners
-from datasets_gen.meshes.geometry import first_at_places
+from datasets_gen.checks import edge_face_counts, face_components, repeated_corners
+from datasets_gen.meshes.geometry import directed_edges, first_at_places
 from datasets_gen.records import InputError
 
 _log = logging.getLogger(__name__)

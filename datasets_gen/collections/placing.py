@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from datasets_gen.checks import directed_edges
 from datasets_gen.mesh_placement import MeshPlacement
+from datasets_gen.meshes.geometry import undirected_edges
 from datasets_gen.records import InputError
 from datasets_gen.shape import Shape
 
@@ -45,7 +45,7 @@ def spread(shape: Shape, ids: NDArray[np.integer]) -> NDArray[np.int64]:
     lost = f"no vertex of {shape.name!r}, or of a piece of it, has a place on the reference; check its map"
     if not len(known):
         raise InputError(lost)
-    edges = np.unique(np.sort(directed_edges(shape.faces), axis=1), axis=0)
+    edges = undirected_edges(shape.faces)[0]
     lengths = np.linalg.norm(shape.vertices[edges[:, 0]] - shape.vertices[edges[:, 1]], axis=1)
     lengths = np.maximum(lengths, np.finfo(float).tiny)  # an explicit zero is no edge
     graph = csr_array((lengths, (edges[:, 0], edges[:, 1])), shape=(len(found),) * 2)

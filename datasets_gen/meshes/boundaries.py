@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from datasets_gen.checks import directed_edges
+from datasets_gen.meshes.geometry import directed_edges
 
 Ints = NDArray[np.int64]
 

@@ -142,3 +142,13 @@ def winding_number(corners: Array, place: Array) -> float:
     volume = np.einsum("fd,fd->f", a, np.cross(b, c))
     ab, bc, ca = (np.einsum("fd,fd->f", u, v) for u, v in ((a, b), (b, c), (c, a)))
     return float(np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb).sum() / (2 * np.pi))
+
+
+def directed_edges(faces: NDArray[np.integer]) -> NDArray[np.int64]:
+    """The edges of every face in the order of its winding, (3 f, 2); rows f, f + F, f + 2F are one face."""
+    return np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
+
+
+def undirected_edges(faces: NDArray[np.integer]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Each undirected edge once, (edges, 2), and how many faces meet there: 2 on a closed manifold."""
+    return np.unique(np.sort(directed_edges(faces), axis=1), axis=0, return_counts=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from datasets_gen.checks import directed_edges
+from datasets_gen.meshes.geometry import undirected_edges
 from datasets_gen.shape import Shape
 
 Array = NDArray[np.float64]
@@ -103,7 +103,7 @@ def edge_stretch(shape: Shape, reference: Shape) -> Stretch:
     Stretch
         All four values are 1 for an isometry.
     """
-    edges = np.unique(np.sort(directed_edges(reference.faces), axis=1), axis=0)
+    edges = undirected_edges(reference.faces)[0]
     before, after = (
         np.linalg.norm(each.vertices[edges[:, 0]] - each.vertices[edges[:, 1]], axis=1)
         for each in (reference, shape)

@@ -77,11 +77,9 @@ class ThinnedCloud:
         InputError
             If there are too few points to match.
         """
-        from medial.validation import FEWEST_POINTS
+        from medial.validation import check_enough
 
-        if len(scan) < FEWEST_POINTS:
-            few = counted(len(scan), "point")
-            raise InputError(f"{name} has {few}: too few; give at least {FEWEST_POINTS}")
+        check_enough(len(scan), name)
         away = np.zeros(len(scan), dtype=bool) if unused is None else unused.copy()
         stray = stray_points(scan.points[~away])
         if stray.any():

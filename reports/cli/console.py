@@ -103,9 +103,8 @@ def log_messages(quiet: bool) -> Iterator[None]:
     handler.addFilter(lambda record: record.name.partition(".")[0] in PACKAGES)
     root = logging.getLogger()
     level = root.level
-    handler.setLevel(logging.ERROR if quiet else logging.WARNING)  # also of what workers pass on
     root.addHandler(handler)
-    root.setLevel(handler.level)
+    root.setLevel(logging.ERROR if quiet else logging.WARNING)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -158,9 +158,11 @@ def show_map(
     write_view(view_of_map((clouds[0].scan, clouds[1].scan), names, found, operators), view)
 
 
-def probability_words(found: "Matching") -> str:
-    """How probable it is that a map is the right one; empty where that is unknown."""
-    return f"probability {found.probability:.2f}" if isfinite(found.probability) else ""
+def map_heading(found: "Matching", name: str = "map") -> str:
+    """Name and probability of a map; empty for the only map of a pair where that is unknown."""
+    if isfinite(found.probability):
+        return f"{name}, probability {found.probability:.2f}"
+    return "" if name == "map" else name
 
 
 def draw_map(
@@ -179,10 +181,14 @@ def draw_map(
         DrawnCloud(c.scan.points, c.scan.normals, name) for c, name in zip(clouds, names, strict=True)
     )
     up = "xyz".index(clouds[0].scan.config.up)
-    likely = probability_words(found)
-    heading = ", ".join(filter(None, [name, likely])) if likely or name != "map" else ""
     figure = dense_map(
-        here, there, found.source_to_target, found.confidence, found.landmarks, up=up, heading=heading
+        here,
+        there,
+        found.source_to_target,
+        found.confidence,
+        found.landmarks,
+        up=up,
+        heading=map_heading(found, name),
     )
     save(figure, picture.parent, picture.stem, formats=(picture.suffix.lower(),))
 
