@@ -85,7 +85,10 @@ class FineSelection:
 
         Without deformation (`MatchConfig.refine`) fits are carried over to the nodes, but not settled.
         """
-        found = _ranked(self._settled(self._whole_maps()))
+        whole = self._whole_maps()
+        if len(whole) == 1:  # the best one is known before it is settled: all settle side by side
+            return _ranked(self._settled(whole + self._variants(whole[0], set(whole))))
+        found = _ranked(self._settled(whole))
         variants = self._variants(found[0].number, {each.number for each in found})
         return _ranked(found + self._settled(variants))
 

@@ -83,6 +83,18 @@ def test_of_like_fits_the_best_is_compared_as_a_whole_map_and_some_as_variants(f
     assert sorted(each.number for each in found) == list(range(1 + VARIANTS))
 
 
+@pytest.mark.parametrize(("apart", "batches"), [(0.01, 1), (3, 2)], ids=["one whole map", "several"])
+def test_variants_settle_beside_the_only_whole_map(fits, monkeypatch, apart, batches):
+    """Where one map is left, which one is the best is known before it is settled."""
+    at, many = place(fits[0]), 3
+    placements = [shifted(at, apart * ALIKE * k, 1.5 - 0.001 * k) for k in range(many)]
+    settled, calls = FineSelection._settled, []
+    monkeypatch.setattr(FineSelection, "_settled", lambda self, k: calls.append(k) or settled(self, k))
+    found = selected([fits[0]] * many, placements, replace(SMALL, finalists=3))
+    assert sorted(each.number for each in found) == list(range(many))
+    assert len(calls) == batches
+
+
 def test_without_deformation_fits_are_carried_over_but_not_settled(fits):
     placements = [place(fit) for fit in fits]
     quick = selected(fits, placements, replace(SMALL, refine="spectral"))
