@@ -16,6 +16,7 @@ With `MatchConfig.paper()` this is Sec. 4: `match_by_cost`. By default it is `ma
 7. say how far each match can be trusted (`confidence`, `mirror_check`).
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -40,8 +41,8 @@ from medial.matching.landmarks.extrapolation import extrapolate_landmarks
 from medial.matching.mirror_check import mirror_verdict
 from medial.matching.nearest import single_blas_thread
 from medial.matching.prepared import PreparedPair, prepare_pair
-from medial.matching.registration.direction import Direction, pair_directions
-from medial.matching.registration.evidence import likelihood_of_none
+from medial.matching.registration.direction import Direction, one_side_each, pair_directions
+from medial.matching.registration.evidence import likelihood_of_none, likelihood_of_other_limbs
 from medial.matching.registration.placement import place
 from medial.matching.registration.refinement import DenseFit
 from medial.matching.registration.search import forward_first
@@ -50,8 +51,12 @@ from medial.matching.result import UNCHECKED, Alternative, Matching
 from medial.matching.without_strays import WithoutStrays, of_all_points
 from medial.matching.zoomout import spectral_refinement
 
+log = logging.getLogger(__name__)
+
 WORTH_SAYING = 0.05
 """Probability from which another map is given as an alternative."""
+LITTLE_SEEN = 1.0
+"""Surface that meets, in [0, 2], below which clouds that show one side each do not show the same one."""
 
 
 def match(
@@ -202,6 +207,11 @@ def _of_fits(pair: PreparedPair, directions: list[Direction], found: SearchedFit
     finalists = selection.finalists()
     rivals, best = selection.rivals(finalists), finalists[0]
     none = likelihood_of_none(directions[0].weights, best.fit.seen)
+    if best.fit.seen < LITTLE_SEEN and one_side_each(pair):
+        none = likelihood_of_other_limbs(none, best.log_likelihood)
+        log.warning(
+            "each cloud shows one side of the body, and not the same one: limbs of the other side fit as well"
+        )
     (_, probability), *others = groups(rivals, none, placements)
     doubt = 1 - probability - sum(share for _, share in others)
     at, samples = placements[best.number], pair.source.descriptors.samples

@@ -22,7 +22,7 @@ from medial.matching.registration.exchange import ExchangeLimits, distinct, exch
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.refinement import FineDeformation
 from medial.matching.registration.registration import Registration, Schedule, features
-from medial.matching.registration.visibility import Visibility
+from medial.matching.registration.visibility import Visibility, from_one_side
 
 QUICK = Schedule()
 BALLS = 2000
@@ -220,6 +220,18 @@ def pair_directions(pair: PreparedPair) -> list[Direction]:
         first, second = run_tasks(_visibility, [(pair.source,), (pair.target,)])
         shown = first, second
     return run_tasks(Direction, [(pair, False, shown), (pair, True, shown)][: 2 if both else 1])
+
+
+def one_side_each(pair: PreparedPair) -> bool:
+    """Whether both clouds may have been seen from one side (`visibility.from_one_side`)."""
+    if "visibility" not in pair.config.evidence:
+        return False
+    return all(run_tasks(_from_one_side, [(pair.source,), (pair.target,)]))
+
+
+def _from_one_side(prepared: PreparedCloud) -> bool:
+    cloud, cover = prepared.cloud, prepared.cover
+    return from_one_side(cloud.points[cover], cloud.normals[cover])
 
 
 def _visibility(prepared: PreparedCloud) -> Visibility:

@@ -149,6 +149,22 @@ def likelihood_of_none(weights: Weights, seen: float) -> float:
     return weights.none + weights.none_seen * seen
 
 
+def likelihood_of_other_limbs(none: float, best: float) -> float:
+    """Log-likelihood of no map being right where the clouds show one side each, and not the same one.
+
+    What one view shows of a limb fits the limb of the other side as well, and no view shows the rest: besides
+    `likelihood_of_none`, a map with the limbs of the other side is as likely as the best one that was found.
+
+    Parameters
+    ----------
+    none
+        `likelihood_of_none`.
+    best
+        Log-likelihood of the most likely map.
+    """
+    return float(np.logaddexp(none, best))
+
+
 def probabilities(log_likelihoods: Float, none: float) -> Float:
     """Probability of each map, (n,): its share of all exp(log-likelihood), with that of none being right."""
     rivals = np.append(log_likelihoods, none)

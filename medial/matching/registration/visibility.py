@@ -46,6 +46,12 @@ FINEST = 1000
 """Cells of a depth map are no smaller than the cloud's extent / this."""
 BEHIND = 4.0
 """What lies deeper than the nearest point of its cell by more of these distances is hidden."""
+ONE_SIDE = 0.98
+"""Share of a cloud that one direction sees if the cloud was seen from one side."""
+OWN_CELL = 1.5
+"""As `CELL`, for what hides points of the cloud itself: in wider cells they would hide each other."""
+STEEPEST = 4.0
+"""Limit of 1 / cosine up to which a steeper surface may lie deeper than the nearest point of its cell."""
 
 
 @dataclass(frozen=True)
@@ -74,21 +80,26 @@ class DepthMap:
     depth: Float
 
     @classmethod
-    def of(cls, points: Float, toward: Float, spacing: float) -> "DepthMap":
-        """Depth map of points (n, 3)."""
+    def of(
+        cls, points: Float, toward: Float, spacing: float, width: float = CELL, around: int = 3
+    ) -> "DepthMap":
+        """Depth map of points (n, 3), in cells of `width` spacings.
+
+        A cell holds the nearest point of its neighbours as well, of the square of `around` cells about it.
+        """
         side = np.cross(toward, np.eye(3)[np.abs(toward).argmin()])
         side /= np.linalg.norm(side)
         axes = np.stack([side, np.cross(toward, side)], axis=1)
-        cell = CELL * spacing
+        cell = width * spacing
         image = points @ axes
         corner = image.min(axis=0) - 2 * cell
         place = np.floor((image - corner) / cell).astype(np.int64)
         depth = np.full(tuple(place.max(axis=0) + 3), np.inf)
         np.minimum.at(depth, (place[:, 0], place[:, 1]), -(points @ toward))
-        return cls(toward, axes, corner, cell, BEHIND * spacing, minimum_filter(depth, 3))
+        return cls(toward, axes, corner, cell, BEHIND * spacing, minimum_filter(depth, around))
 
-    def free(self, points: Float) -> NDArray[np.bool_]:
-        """Whether nothing of the cloud lies between points (n, 3) and the viewer.
+    def free(self, points: Float, slack: Float | float = 1.0) -> NDArray[np.bool_]:
+        """Whether nothing of the cloud lies between points (n, 3) and the viewer, with `slack` margins.
 
         Surface steeper than some 45 degrees to the direction is hidden by its own neighbours: no scan is
         expected to show it.
@@ -97,7 +108,7 @@ class DepthMap:
         inside = ((place >= 0) & (place < self.depth.shape)).all(axis=1)
         row, column = np.clip(place, 0, np.array(self.depth.shape) - 1).T
         front = np.where(inside, self.depth[row, column], np.inf)
-        return np.asarray(-(points @ self.toward) <= front + self.margin)
+        return np.asarray(-(points @ self.toward) <= front + slack * self.margin)
 
 
 @dataclass(frozen=True)
@@ -154,6 +165,26 @@ class Visibility:
             facing = np.clip((normals @ each.toward - self.least) / (2 * SOFT) + 0.5, 0, 1)
             expected = np.maximum(expected, facing * each.free(points))
         return expected
+
+
+def from_one_side(points: Float, normals: Float) -> bool:
+    """Whether a cloud may have been seen from one side: some direction sees `ONE_SIDE` of it.
+
+    Parameters
+    ----------
+    points, normals : (n, 3)
+        Normals are unit and outward.
+    """
+    spacing = typical_spacing(points)
+    for toward in fibonacci_sphere(DIRECTIONS) if spacing > 0 else ():
+        cosine = normals @ toward
+        if (cosine > 0).mean() >= ONE_SIDE:
+            inverse = 1 / np.clip(cosine, 1 / STEEPEST, 1)
+            slack = np.maximum(1.0, np.sqrt(inverse**2 - 1))  # tangent of the surface's slope
+            free = DepthMap.of(points, toward, spacing, OWN_CELL, 1).free(points, slack)
+            if ((cosine > 0) & free).mean() >= ONE_SIDE:
+                return True
+    return False
 
 
 def typical_spacing(points: Float) -> float:

@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import datasets_gen
 from medial import Diffusion, match
 from medial.matching import prepared
+from scanner_sim import ScannerConfig, scan
 from tests.medial.clouds import body, cylinder, planes, rotation, sphere, torus
 from tests.medial.matching.registration.directions import BENT, SMALL
 from tests.medial.posed import bent, common_units, figure
@@ -162,3 +164,19 @@ def test_a_torus_meets_itself_somewhere():
         < 0.05
     )
     assert np.median(found.confidence) < 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("other", "told"), [("right:1", True), ("left:1", False)])
+def test_scans_of_one_side_each_leave_open_which_limb_is_which(other, told, caplog):
+    """From opposite sides no point is believed; from the same side most points are."""
+    subject = datasets_gen.load("quadruped")
+    scans = [
+        scan(subject[pose], ScannerConfig(views=views)).accept(0.3).subsample(1500)
+        for pose, views in (("stand", "left:1"), ("trot", other))
+    ]
+    found = match(*(Diffusion.from_points(each.points, each.normals) for each in scans))
+    assert ("limbs of the other side fit as well" in caplog.text) == told
+    assert (found.probability < 0.5) == told
+    share = (found.confidence >= 0.5).mean()
+    assert share == 0 if told else share > 0.3

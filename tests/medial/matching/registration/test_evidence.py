@@ -10,6 +10,7 @@ from medial.matching.registration.evidence import (
     WEIGHTS,
     Weights,
     likelihood_of_none,
+    likelihood_of_other_limbs,
     log_likelihood,
     medial_gap,
     probabilities,
@@ -109,3 +110,12 @@ def test_the_more_meets_the_likelier_a_right_map_has_to_be():
     weights = Weights(none=-2.0, none_seen=3.0)
     assert likelihood_of_none(weights, 0.0) == -2
     assert likelihood_of_none(weights, 1.5) == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize("best", [-20.0, 4.0, 30.0])
+def test_where_limbs_of_the_other_side_fit_as_well_no_map_is_likelier_than_not(best):
+    without = probabilities(np.array([best, best - 3]), 4.0)
+    found = probabilities(np.array([best, best - 3]), likelihood_of_other_limbs(4.0, best))
+    assert found[0] < 0.5
+    assert found[0] / (1 - found[0]) == pytest.approx(without[0])
+    np.testing.assert_allclose(found[0] / found[1], np.exp(3))

@@ -8,6 +8,7 @@ from medial.matching.registration.visibility import (
     FINEST,
     DepthMap,
     Visibility,
+    from_one_side,
     typical_spacing,
 )
 
@@ -45,6 +46,28 @@ def test_what_lies_behind_the_cloud_is_hidden():
     assert each.free(near[near_normals[:, 2] > 0.85]).all()
     assert not each.free(np.array([[0.0, 0.0, -3.0]]))[0]
     assert each.free(np.array([[2.0, 0.0, -3.0]]))[0]
+
+
+@pytest.mark.parametrize("toward", [(0, 0, 1), (1, 2, -0.5)])
+def test_a_cap_was_seen_from_one_side_a_sphere_and_a_band_were_not(toward):
+    points, normals = sphere()
+    assert from_one_side(*seen_from(toward, points, normals, 0.1))
+    assert not from_one_side(points, normals)
+    height = normals @ (np.asarray(toward) / np.linalg.norm(toward))
+    band = np.abs(height) < 0.5
+    assert not from_one_side(points[band], normals[band])
+
+
+def test_what_one_shell_hides_was_not_seen_from_its_side():
+    outer = seen_from((0, 0, 1), *sphere(), least=0.1)
+    beside = seen_from((0, 0, 1), *sphere(1000, (2.0, 0.0, 0.0), 0.5), least=0.1)
+    inside = seen_from((0, 0, 1), *sphere(1000, radius=0.5), least=0.1)
+    assert from_one_side(*map(np.concatenate, zip(outer, beside, strict=True)))
+    assert not from_one_side(*map(np.concatenate, zip(outer, inside, strict=True)))
+
+
+def test_points_at_one_place_have_no_side():
+    assert not from_one_side(np.zeros((30, 3)), np.tile([0.0, 0.0, 1.0], (30, 1)))
 
 
 @pytest.mark.parametrize("angle", [20.0, 40.0])
