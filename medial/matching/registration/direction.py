@@ -16,7 +16,7 @@ from medial.matching.landmarks.candidates import Candidate
 from medial.matching.landmarks.rigid_starts import half_turns, principal_axes, rigid_poses
 from medial.matching.prepared import PreparedCloud, PreparedPair
 from medial.matching.registration.closest_points import nearest_places
-from medial.matching.registration.deformation_graph import NodeGraph, Pose, moved_centers
+from medial.matching.registration.deformation_graph import Float, NodeGraph, Pose, moved_centers
 from medial.matching.registration.evidence import Weights, medial_gap
 from medial.matching.registration.exchange import ExchangeLimits, distinct, exchange_parts
 from medial.matching.registration.fit import Fit
@@ -217,7 +217,7 @@ def pair_directions(pair: PreparedPair) -> list[Direction]:
     both = pair.config.both_ways and pair.config.selection == "fit"
     shown = None
     if "visibility" in pair.config.evidence:
-        first, second = run_tasks(_visibility, [(pair.source,), (pair.target,)])
+        first, second = run_tasks(Visibility.of, [_covered(pair.source), _covered(pair.target)])
         shown = first, second
     return run_tasks(Direction, [(pair, False, shown), (pair, True, shown)][: 2 if both else 1])
 
@@ -226,14 +226,10 @@ def one_side_each(pair: PreparedPair) -> bool:
     """Whether both clouds may have been seen from one side (`visibility.from_one_side`)."""
     if "visibility" not in pair.config.evidence:
         return False
-    return all(run_tasks(_from_one_side, [(pair.source,), (pair.target,)]))
+    return all(run_tasks(from_one_side, [_covered(pair.source), _covered(pair.target)]))
 
 
-def _from_one_side(prepared: PreparedCloud) -> bool:
+def _covered(prepared: PreparedCloud) -> tuple[Float, Float]:
+    """Points and normals of what a registration sees of a cloud, (c, 3) each."""
     cloud, cover = prepared.cloud, prepared.cover
-    return from_one_side(cloud.points[cover], cloud.normals[cover])
-
-
-def _visibility(prepared: PreparedCloud) -> Visibility:
-    cloud, cover = prepared.cloud, prepared.cover
-    return Visibility.of(cloud.points[cover], cloud.normals[cover])
+    return cloud.points[cover], cloud.normals[cover]
