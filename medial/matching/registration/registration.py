@@ -15,10 +15,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from medial.matching.common_units import CloudInUnits
-from medial.matching.registration.closest_points import meeting, nearest_places
+from medial.matching.registration.closest_points import PlaceTree, meeting, nearest_places
 from medial.matching.registration.deformation_graph import (
     Attachment,
     Float,
@@ -44,8 +43,6 @@ SEEN_WITHIN = 0.03
 """Distance, in sqrt(area), at which a point counts half as found."""
 SMALLEST_SCALE = 0.01
 """Residuals below this, in sqrt(area), are no outliers when a node's motion is estimated."""
-LEAF = 64
-"""Points in a leaf of the tree of points and normals, in which six coordinates exclude few branches."""
 FOLLOW_STIFFNESS = 0.2
 """Stiffness while a map is followed, relative to that of the first round of closest points."""
 BELIEVED = 0.1
@@ -111,7 +108,7 @@ class Registration:
         self.target_points, self.target_normals = target_points, target_normals
         self._back_points, self._back_normals = target_points[look_back], target_normals[look_back]
         self._among = among
-        self._tree = cKDTree(features(target_points[among], target_normals[among]), leafsize=LEAF)
+        self._tree = PlaceTree(features(target_points[among], target_normals[among]))
         self._back_features = features(self._back_points, self._back_normals)
 
     @classmethod
@@ -260,7 +257,7 @@ class Registration:
         """Points and normals in a pose, their nearest target points, and whom the target points find."""
         here, normals = self.moved(pose)
         joined = features(here, normals)
-        near = self._among[self._tree.query(joined)[1]]
+        near = self._among[self._tree.nearest(joined)]
         return here, normals, near, nearest_places(joined, self._back_features)
 
     def moved(self, pose: Pose) -> tuple[Float, Float]:

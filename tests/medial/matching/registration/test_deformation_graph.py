@@ -6,10 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from medial.matching.registration.closest_points import meeting, nearest_of_few
+from medial.matching.registration.closest_points import meeting
 from medial.matching.registration.deformation_graph import (
     BEND,
     SHARED,
@@ -151,20 +150,6 @@ def test_pulls_on_one_point_add_up():
         mine = np.flatnonzero(rows == j)
         assert np.allclose(metric[j], sum((terms[i] for i in mine), np.zeros((3, 3))))
         assert np.allclose(force[j], sum((terms[i] @ offset[i] for i in mine), np.zeros(3)))
-
-
-@pytest.mark.uncompiled
-@pytest.mark.parametrize(("places", "goals"), [(1, 5), (300, 200), (7, 1)])
-def test_nearest_of_few_is_that_of_a_tree(places, goals):
-    random = np.random.default_rng(places)
-    x, y = random.standard_normal((places, 6)), random.standard_normal((goals, 6))
-    assert np.array_equal(nearest_of_few(x, y), cKDTree(x).query(y)[1])
-
-
-@pytest.mark.uncompiled
-def test_of_equally_near_places_the_first_is_taken():
-    place = np.ones((1, 6))
-    assert np.array_equal(nearest_of_few(np.tile(place, (4, 1)), 2 * place), [0])
 
 
 @pytest.mark.uncompiled
