@@ -13,7 +13,9 @@ from datasets_gen.clouds.cleaning import check_finite
 from datasets_gen.points.strays import stray_points
 from datasets_gen.values import check_count, check_seed, real_array
 from medial import Departures, Diffusion, MatchConfig, Matching
+from medial.device.backend import CPU
 from medial.matching.common_units import SETTINGS
+from medial.side_by_side import side_by_side
 from reports.cli.cloud_files import ThinnedCloud, bare_scan, read_cloud, with_normals
 from scanner_sim import Scan, sample
 
@@ -161,10 +163,14 @@ def prepared_pair(
             operator, modes = given.operator, len(given.eigenvalues)
             shared = {key: given.parameters[key] for key in SHARED if key in given.parameters}
             settings = {**shared, **settings}
-    return (
-        prepared(source, operator, points, modes, seed, settings, "the source"),
-        prepared(target, operator, points, modes, seed, settings, "the target"),
-    )
+
+    def made(given: Any, name: str) -> CloudToMatch:
+        return prepared(given, operator, points, modes, seed, settings, name)
+
+    both = (source, "the source"), (target, "the target")
+    if settings.get("device", CPU) != CPU:
+        return made(*both[0]), made(*both[1])
+    return side_by_side(made, *both)
 
 
 def check_pair(found: Matching, source: Scan, target: Scan) -> None:

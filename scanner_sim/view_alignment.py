@@ -1,7 +1,6 @@
 """Errors of bringing the views together, and their repair by ICP."""
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
@@ -54,6 +53,8 @@ def realign(points: NDArray[np.float64], view_ids: NDArray[np.integer], seed: in
     -------
     (n, 3) float64
     """
+    from trimesh import registration, transform_points  # a third of a second to import
+
     out = points.copy()
     views = np.unique(view_ids)
     rng = np.random.default_rng([seed, 2])
@@ -66,8 +67,8 @@ def realign(points: NDArray[np.float64], view_ids: NDArray[np.integer], seed: in
             near = picked[gap <= OVERLAP * np.median(gap)]
             if len(near) < 20:
                 continue
-            matrix, _, _ = trimesh.registration.icp(
+            matrix, _, _ = registration.icp(
                 out[near], others, reflection=False, scale=False, max_iterations=30
             )
-            out[mine] = trimesh.transform_points(out[mine], matrix)
+            out[mine] = transform_points(out[mine], matrix)
     return out

@@ -14,7 +14,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation, Slerp
 
 from datasets_gen.bodies.body_plan import BodyPlan, mesh_surface
@@ -82,6 +81,8 @@ def bent(points: Array, turns: Callable[[Array], Array], low: float, high: float
         Heights between which the axis bends.
     """
     at = np.linspace(low, high, STATIONS)
+    from scipy.integrate import cumulative_trapezoid  # imports scipy.optimize: a sixth of a second
+
     middle = (at[1:] + at[:-1]) / 2
     steps = Rotation.from_rotvec(turns(middle) * (at[1] - at[0]))
     frames = [Rotation.identity()]

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from skimage.measure import marching_cubes
 from threadpoolctl import threadpool_limits
 
 from datasets_gen.bodies.implicit_surface import Body
@@ -93,6 +92,8 @@ def mesh_surface(plan: BodyPlan, rounds: int = 12) -> tuple[Array, Ints, Ints | 
     -------
     vertices (v, 3), faces (f, 3), mirror (v,) or None
     """
+    from skimage.measure import marching_cubes  # imports scipy.optimize: a sixth of a second
+
     lower, upper = plan.surface.bounds()
     lower, upper = lower - 3 * plan.spacing, upper + 3 * plan.spacing
     if plan.symmetric:

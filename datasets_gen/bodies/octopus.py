@@ -7,7 +7,6 @@ which, and there is no mirror image.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from datasets_gen.bodies.body_plan import BodyPlan, Detail
 from datasets_gen.bodies.implicit_surface import Body, Part, ellipsoid, part_axes, sweep, unit
@@ -43,6 +42,8 @@ def _ends(number: int) -> tuple[Array, Array]:
 
 def _profile(number: int) -> list[tuple[float, ...]]:
     """Cross-sections of an arm."""
+    from scipy.interpolate import PchipInterpolator  # imports scipy.optimize: a sixth of a second
+
     heights = PchipInterpolator(*np.array(ARM)[:, [0, 3]].T)
     sizes = PchipInterpolator(np.array(ARM)[:, 0], np.array(ARM)[:, 1:3])
     bend = BENDS[number - 1]

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-from trimesh.triangles import closest_point, points_to_barycentric
 
 CANDIDATES = 32
 """Faces, by their centroids, among which the closest point is looked for."""
@@ -23,6 +22,8 @@ def closest_barycentrics(triangles: NDArray[np.float64], points: NDArray[np.floa
     (n, 3) float64
         In [0, 1], summing to 1; nan where a triangle has no area.
     """
+    from trimesh.triangles import closest_point, points_to_barycentric  # a third of a second to import
+
     closest = closest_point(triangles, points)
     with np.errstate(invalid="ignore", divide="ignore"):
         weights = np.clip(points_to_barycentric(triangles, closest, method="cross"), 0, 1)  # rounding

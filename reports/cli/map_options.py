@@ -1,6 +1,6 @@
 """What ``medialbench match`` and ``medialbench symmetry`` share: options, and the map that they write."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
@@ -120,6 +120,24 @@ def operator_of(cloud: "ThinnedCloud", name: str, modes: int, **settings: Any) -
 
     scan = cloud.scan
     return Diffusion.from_points(scan.points, scan.normals, operator=name, modes=modes, **settings)
+
+
+def operators_of(
+    clouds: tuple["ThinnedCloud", "ThinnedCloud"],
+    names: Sequence[str],
+    modes: int,
+    device: str,
+    departures: Any,
+) -> tuple[dict[str, "Diffusion"], dict[str, "Diffusion"]]:
+    """The operators of these names on both clouds, made side by side where the device is the processor."""
+    from medial.device.backend import CPU
+    from medial.side_by_side import side_by_side
+
+    def made(cloud: "ThinnedCloud") -> dict[str, "Diffusion"]:
+        return {name: operator_of(cloud, name, modes, device=device, departures=departures) for name in names}
+
+    here, there = clouds
+    return side_by_side(made, (here,), (there,)) if device == CPU else (made(here), made(there))
 
 
 def write_map(

@@ -15,7 +15,7 @@ from reports.cli.map_options import (
     map_options,
     matched_on,
     matcher_settings,
-    operator_of,
+    operators_of,
     said_of_kinds,
     show_map,
     summary,
@@ -32,8 +32,7 @@ METHOD = "medial"
 STEPS = (
     ("reading", 1),
     ("loading libraries", 2),
-    ("operator of the source", 4),
-    ("operator of the target", 4),
+    ("operators of both clouds", 8),
     ("matching", 16),
     ("writing", 1),
 )
@@ -121,17 +120,18 @@ def match(
             raise Failure(lacking)
         if matcher.uses_truth:
             raise Failure(f"method {method!r} looks at the ground truth, which files of clouds do not hold")
-        sides: list[MethodInput] = []
-        for cloud, path in ((here, source), (there, target)):
-            next(step)
-            built = {"device": device, "departures": departures}
-            operators = {name: operator_of(cloud, name, modes, **built) for name in matcher.operators}
-            sides.append(MethodInput(name=path.stem, scan=cloud.scan, operators=operators))
+        next(step)
+        clouds = here, there
+        built = operators_of(clouds, matcher.operators, modes, device, departures)
+        sides = [
+            MethodInput(name=path.stem, scan=cloud.scan, operators=operators)
+            for path, cloud, operators in zip((source, target), clouds, built, strict=True)
+        ]
         next(step)
         found = matcher.match(sides[0], sides[1], seed=seed)
         next(step)
         about = {"method": method, "seed": seed, "device": device}
-        clouds, names = (here, there), (source.name, target.name)
+        names = source.name, target.name
         whole = write_map(out, clouds, names, found, about)
         if picture is not None:
             draw_map(picture, clouds, names, found)
@@ -140,10 +140,10 @@ def match(
             show_map(view, clouds, names, found, medial)
         written: list[Path] = []
         if alternatives:
-            written = write_alternatives(out, picture, (here, there), (source, target), found, about)
+            written = write_alternatives(out, picture, clouds, (source, target), found, about)
     doubts = said_of_alternatives(found, there.scan.points, written, picture is not None and bool(written))
     likely = "" if doubts or isnan(found.probability) else f"; probability of the map {found.probability:.2f}"
-    say(quiet, f"{summary(whole, len(found))}{likely}{said_of_kinds((here, there))}; written to {out}")
+    say(quiet, f"{summary(whole, len(found))}{likely}{said_of_kinds(clouds)}; written to {out}")
     for line in doubts:
         say(quiet, line)
     if alternatives and not written:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from datasets_gen.points.fibonacci import fibonacci_sphere
 from datasets_gen.records import InputError
@@ -194,6 +193,8 @@ def _turntable(count: int, elevation: float) -> NDArray[np.float64]:
 @functools.lru_cache(maxsize=16)
 def _sphere_points(count: int) -> tuple[tuple[float, float, float], ...]:
     """Spherical Fibonacci points relaxed by mutual repulsion, the first turned to the front (+z)."""
+    from scipy.optimize import minimize  # a sixth of a second to import
+
     points = fibonacci_sphere(count)
     if 1 < count <= MOST_RELAXED:
         points = minimize(_repulsion, points.ravel(), jac=True, method="L-BFGS-B").x.reshape(-1, 3)
