@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter
 from scipy.spatial import cKDTree
 
+from datasets_gen.compiled import compiled
 from datasets_gen.points.fibonacci import fibonacci_sphere
 
 Float = NDArray[np.float64]
@@ -104,11 +105,26 @@ class DepthMap:
         Surface steeper than some 45 degrees to the direction is hidden by its own neighbours: no scan is
         expected to show it.
         """
-        place = np.floor((points @ self.axes - self.corner) / self.cell).astype(np.int64)
-        inside = ((place >= 0) & (place < self.depth.shape)).all(axis=1)
-        row, column = np.clip(place, 0, np.array(self.depth.shape) - 1).T
-        front = np.where(inside, self.depth[row, column], np.inf)
-        return np.asarray(-(points @ self.toward) <= front + slack * self.margin)
+        behind = np.zeros(len(points)) + slack * self.margin
+        image = self.axes, self.corner, self.cell, self.depth
+        return np.asarray(_nothing_before(points, self.toward, *image, behind))
+
+
+@compiled()
+def _nothing_before(
+    points: Float, toward: Float, axes: Float, corner: Float, cell: float, depth: Float, behind: Float
+) -> NDArray[np.bool_]:
+    """Whether each point is no more than `behind` (n,) deeper than its cell of a depth map, (n,)."""
+    free = np.ones(len(points), np.bool_)
+    rows, columns = depth.shape
+    for i in range(len(points)):
+        x, y, z = points[i]
+        row = np.floor((x * axes[0, 0] + y * axes[1, 0] + z * axes[2, 0] - corner[0]) / cell)
+        column = np.floor((x * axes[0, 1] + y * axes[1, 1] + z * axes[2, 1] - corner[1]) / cell)
+        if 0 <= row < rows and 0 <= column < columns:
+            own = -(x * toward[0] + y * toward[1] + z * toward[2])
+            free[i] = own <= depth[int(row), int(column)] + behind[i]
+    return free
 
 
 @dataclass(frozen=True)

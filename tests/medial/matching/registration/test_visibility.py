@@ -48,6 +48,23 @@ def test_what_lies_behind_the_cloud_is_hidden():
     assert each.free(np.array([[2.0, 0.0, -3.0]]))[0]
 
 
+@pytest.mark.parametrize("slack", [1.0, "each"])
+def test_free_points_against_numpy(slack):
+    random = np.random.default_rng(0)
+    points, _ = sphere(500)
+    each = DepthMap.of(points, np.array([0.6, 0.0, 0.8]), 0.1)
+    tried = 1.5 * random.standard_normal((400, 3))
+    slack = random.uniform(1, 4, len(tried)) if slack == "each" else slack
+    free = []
+    for point in tried:
+        row, column = np.floor((point @ each.axes - each.corner) / each.cell).astype(int)
+        on_map = 0 <= row < each.depth.shape[0] and 0 <= column < each.depth.shape[1]
+        free.append(np.inf if not on_map else each.depth[row, column])
+    expected = -(tried @ each.toward) <= np.array(free) + slack * each.margin
+    assert np.array_equal(each.free(tried, slack), expected)
+    assert 0.2 < expected.mean() < 0.9
+
+
 @pytest.mark.parametrize("toward", [(0, 0, 1), (1, 2, -0.5)])
 def test_a_cap_was_seen_from_one_side_a_sphere_and_a_band_were_not(toward):
     points, normals = sphere()
