@@ -9,8 +9,8 @@ from medial.matching.registration.direction import DirectedFit, Direction
 from medial.matching.registration.search import follow, half_turned, moving, promises, search, settle
 
 SURE = 27.0
-"""Promise of a fit from which nothing further is tried. Much surface that meets is not enough: after half a
-turn front lies on back, and more meets than under the right map."""
+"""Promise of a fit from which nothing further is tried and no parts are exchanged. Much surface that meets is
+not enough: after half a turn front lies on back, and more meets than under the right map."""
 
 
 class SearchedFits(NamedTuple):
@@ -52,7 +52,7 @@ def search_from(
         tried, followed = tried + more, followed + more_followed
         if directions[0].pair.config.rigid_starts or not settled:
             settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
-    fits = moving(search(directions, moving(settled)))
+    fits = moving(search(directions, moving(settled), sure))
     if not sure and max(promised := promises(fits)) < SURE:
         fits = moving(fits + half_turned(directions, fits, promised))
     return SearchedFits(tried, followed, fits)

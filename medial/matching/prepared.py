@@ -25,6 +25,9 @@ from medial.spectrum.times import logarithmic_times
 
 Int = NDArray[np.int64]
 
+ORDERED = 3000
+"""Points of a cover that stand for it alone: no fewer than `refinement.LOOK_BACK` and `direction.BALLS`."""
+
 
 @dataclass(frozen=True)
 class PreparedCloud:
@@ -39,7 +42,7 @@ class PreparedCloud:
     paths : MedialPaths, optional
         Where landmark sets by path length are wanted.
     cover : (c,) int64
-        At most `MOST_POINTS` points, in farthest-point order: what a registration sees of the cloud.
+        What a registration sees of the cloud (`cover_of`).
     coordinates : (n, d) float32, optional
         `medial.matching.neighbourhoods`, where the cloud may be deformed.
     """
@@ -118,9 +121,24 @@ def prepare_pair(
     paths: list[MedialPaths | None] = [None, None]
     if config.paths and config.selection == "fit":
         paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
-    covers = run_tasks(farthest_from_mean, [(cloud.points, MOST_POINTS) for cloud in clouds])
+    covers = run_tasks(cover_of, [(cloud.points,) for cloud in clouds])
     first, second = map(PreparedCloud, described, clouds, paths, covers, coordinates)
     return PreparedPair(both, first, second, times, config, seed, to_move)
+
+
+def cover_of(points: NDArray[np.float64]) -> Int:
+    """At most `MOST_POINTS` points of a cloud (n, 3) that cover it, (c,).
+
+    The first are in farthest-point order, of a cloud that is taken as a whole `ORDERED` of them; there the
+    order of the others does not count, as long as it does not depend on that of the file.
+    """
+    if len(points) > MOST_POINTS:
+        return farthest_from_mean(points, MOST_POINTS)
+    order = farthest_from_mean(points, min(ORDERED, len(points)))
+    outermost = np.argsort(-np.linalg.norm(points - points.mean(axis=0), axis=1), kind="stable")
+    rest = np.ones(len(points), dtype=bool)
+    rest[order] = False
+    return np.concatenate([order, outermost[rest[outermost]]])
 
 
 def _samples(

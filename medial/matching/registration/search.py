@@ -16,6 +16,8 @@ from medial.matching.registration.placement import UNMOVED, place, unmoved
 
 INVERTED = 8
 """Fits of each direction that are inverted for the other one, before and after parts are exchanged."""
+CONFIRMED = 3
+"""The same where one fit is sure."""
 WITHIN = 0.25
 """After that, fits whose score is lower than the best by more than this are not inverted."""
 
@@ -48,7 +50,7 @@ def settle(directions: list[Direction], fits: list[DirectedFit]) -> list[Directe
     return [fit for each in directions for fit in each.settle(of(each, fits))]
 
 
-def search(directions: list[Direction], fits: list[DirectedFit]) -> list[DirectedFit]:
+def search(directions: list[Direction], fits: list[DirectedFit], sure: bool = False) -> list[DirectedFit]:
     """Invert settled fits for the opposite direction and exchange parts within each direction.
 
     Parameters
@@ -57,6 +59,8 @@ def search(directions: list[Direction], fits: list[DirectedFit]) -> list[Directe
         One or two.
     fits
         Settled fits, at least one.
+    sure
+        One of them promises enough: fewer are inverted, and no parts are exchanged.
 
     Returns
     -------
@@ -64,11 +68,13 @@ def search(directions: list[Direction], fits: list[DirectedFit]) -> list[Directe
         Forward ones first, each direction best first. Fits that differ in one limb alone, which go as one
         until then, are kept apart.
     """
-    donors = [fit for each in directions for fit in distinct(of(each, fits), INVERTED)]
+    most = CONFIRMED if sure else INVERTED
+    donors = [fit for each in directions for fit in distinct(of(each, fits), most)]
     fits = with_inverses(directions, fits, donors)
-    fits = [fit for each in directions for fit in each.exchange(of(each, fits)) + of(each, fits)]
+    if not sure:
+        fits = [fit for each in directions for fit in each.exchange(of(each, fits)) + of(each, fits)]
     best = max(fit.score for fit in fits)
-    donors = [fit for each in directions for fit in distinct(of(each, fits), INVERTED, LIKE)]
+    donors = [fit for each in directions for fit in distinct(of(each, fits), most, LIKE)]
     fits = with_inverses(directions, fits, [fit for fit in donors if fit.score > best - WITHIN])
     return [fit for each in directions for fit in distinct(of(each, fits), len(fits), LIKE)]
 

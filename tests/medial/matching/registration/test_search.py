@@ -10,7 +10,16 @@ from medial.matching.registration.direction import LIKE, Direction
 from medial.matching.registration.evidence import promise
 from medial.matching.registration.exchange import SAME_FIT, distinct
 from medial.matching.registration.placement import place
-from medial.matching.registration.search import forward_first, half_turned, moving, of, promises, search
+from medial.matching.registration.search import (
+    CONFIRMED,
+    INVERTED,
+    forward_first,
+    half_turned,
+    moving,
+    of,
+    promises,
+    search,
+)
 from tests.medial.matching.registration.directions import BENT, SMALL, Directions, true_landmarks
 from tests.medial.posed import bent_figure, figure, right_arm
 
@@ -98,6 +107,20 @@ def test_rivals_are_made_where_no_fit_promises_enough(monkeypatch, sure, made):
     monkeypatch.setattr("medial.matching.fit_search.half_turned", watched)
     match(figure(), bent_figure(*BENT), SMALL)
     assert len(calls) == made
+
+
+@pytest.mark.parametrize(("sure", "exchanges"), [(True, 0), (False, 2)])
+def test_parts_are_exchanged_unless_a_fit_is_sure(directions, found, monkeypatch, sure, exchanges):
+    asked, inverted = [], []
+    exchange, invert = Direction.exchange, Direction.invert
+    monkeypatch.setattr(Direction, "exchange", lambda self, fits: asked.append(self) or exchange(self, fits))
+    monkeypatch.setattr(
+        Direction, "invert", lambda self, fits: inverted.append(len(fits)) or invert(self, fits)
+    )
+    ended = search(directions.all, found, sure)
+    assert len(asked) == exchanges
+    assert max(inverted) <= (CONFIRMED if sure else INVERTED)
+    assert max(fit.score for fit in ended) >= max(fit.score for fit in found)
 
 
 def test_rivals_are_made_of_the_most_promising_fit_of_each_direction(directions, found, monkeypatch):
