@@ -26,18 +26,24 @@ def side_by_side(function: Callable[..., T], first: tuple[Any, ...], second: tup
         try:
             result = function(*first)
         finally:
-            later.exception()  # waits
-            held.release()
+            try:
+                later.exception()  # waits
+            finally:
+                held.release()
     return result, later.result()
 
 
 class _HeldMessages(logging.Filter):
     """Holds back what a thread logs until it is released."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._thread: int | None = None
+        self._records: list[logging.LogRecord] = []
+
     def begin(self) -> None:
         """Hold what this thread logs from here on."""
         self._thread = threading.get_ident()
-        self._records: list[logging.LogRecord] = []
         for logger in _loggers():
             logger.addFilter(self)
 
