@@ -55,11 +55,11 @@ class _HeldMessages(logging.Filter):
         return False
 
     def release(self) -> None:
-        """Log what was held back."""
+        """Log what was held back; filters that were there before have seen it."""
         for logger in _loggers():
             logger.removeFilter(self)
         for record in self._records:
-            logging.getLogger(record.name).handle(record)
+            logging.getLogger(record.name).callHandlers(record)
 
 
 def _loggers() -> list[logging.Logger]:

@@ -133,19 +133,29 @@ def prepared(
     seed
         Of samples and of the choice of points.
     """
+    return _with_operator(given, _thinned(given, points, seed, settings, name), operator, modes, settings)
+
+
+def _thinned(given: Any, points: int, seed: int, settings: Mapping[str, Any], name: str) -> ThinnedCloud:
+    """The points that are matched; all of a `Diffusion`, if it has the settings."""
     points, seed = check_count(points, "points"), check_seed(seed)
+    if not isinstance(given, Diffusion):
+        return ThinnedCloud.of(as_cloud(given, points, seed, name), points, seed, name)
+    for key in [each for each in SHARED if each in settings]:
+        made, asked = given.parameters.get(key, settings[key]), settings[key]
+        if made != asked and (key != "departures" or given.departures != Departures.of(asked)):
+            raise InputError(f"{name} is a Diffusion with other {key}; build it with {key}={asked!r}")
+    return ThinnedCloud.whole(bare_scan(given.points, given.normals, name))
+
+
+def _with_operator(
+    given: Any, cloud: ThinnedCloud, operator: str, modes: int, settings: Mapping[str, Any]
+) -> CloudToMatch:
     if isinstance(given, Diffusion):
-        for key in [each for each in SHARED if each in settings]:
-            made, asked = given.parameters.get(key, settings[key]), settings[key]
-            if made != asked and (key != "departures" or given.departures != Departures.of(asked)):
-                raise InputError(f"{name} is a Diffusion with other {key}; build it with {key}={asked!r}")
-        cloud = bare_scan(given.points, given.normals, name)
-        return CloudToMatch(ThinnedCloud.whole(cloud), given)
-    thinned = ThinnedCloud.of(as_cloud(given, points, seed, name), points, seed, name)
-    scan = thinned.scan
-    return CloudToMatch(
-        thinned, Diffusion.from_points(scan.points, scan.normals, operator=operator, modes=modes, **settings)
-    )
+        return CloudToMatch(cloud, given)
+    points, normals = cloud.scan.points, cloud.scan.normals
+    built = Diffusion.from_points(points, normals, operator=operator, modes=modes, **settings)
+    return CloudToMatch(cloud, built)
 
 
 def prepared_pair(
@@ -164,13 +174,17 @@ def prepared_pair(
             shared = {key: given.parameters[key] for key in SHARED if key in given.parameters}
             settings = {**shared, **settings}
 
-    def made(given: Any, name: str) -> CloudToMatch:
-        return prepared(given, operator, points, modes, seed, settings, name)
+    here, there = (
+        (given, _thinned(given, points, seed, settings, name))
+        for given, name in ((source, "the source"), (target, "the target"))
+    )
 
-    both = (source, "the source"), (target, "the target")
+    def made(given: Any, cloud: ThinnedCloud) -> CloudToMatch:
+        return _with_operator(given, cloud, operator, modes, settings)
+
     if settings.get("device", CPU) != CPU:
-        return made(*both[0]), made(*both[1])
-    return side_by_side(made, *both)
+        return made(*here), made(*there)
+    return side_by_side(made, here, there)
 
 
 def check_pair(found: Matching, source: Scan, target: Scan) -> None:

@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from concurrent.futures import Future
 
 import pytest
 
@@ -53,6 +54,30 @@ def test_error_of_the_second_is_raised():
 
     with pytest.raises(ValueError, match="second"):
         side_by_side(called, ("first",), ("second",))
+
+
+def test_filters_of_others_see_each_message_once(caplog):
+    seen = []
+    log.addFilter(keep := lambda record: seen.append(record.getMessage()) or True)
+    try:
+        side_by_side(log.warning, ("first",), ("second",))
+    finally:
+        log.removeFilter(keep)
+    assert sorted(seen) == ["first", "second"]
+    assert [r.getMessage() for r in caplog.records] == ["first", "second"]
+
+
+def test_held_messages_are_released_where_the_wait_is_interrupted(caplog, monkeypatch):
+    def interrupted(self, timeout=None):
+        wait(self)
+        raise KeyboardInterrupt
+
+    wait = Future.exception
+    monkeypatch.setattr(Future, "exception", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        side_by_side(log.warning, ("first",), ("second",))
+    assert [r.getMessage() for r in caplog.records] == ["first", "second"]
+    assert not log.filters
 
 
 def test_operators_are_those_made_one_after_the_other():
