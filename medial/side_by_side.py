@@ -6,6 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
+from medial.device.backend import CPU
 from medial.matching.nearest import single_blas_thread
 
 T = TypeVar("T")
@@ -14,12 +15,17 @@ PACKAGES = ("datasets_gen", "scanner_sim", "medial", "evaluation", "reports")
 """Whose messages are kept in order."""
 
 
-def side_by_side(function: Callable[..., T], first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[T, T]:
+def side_by_side(
+    function: Callable[..., T], first: tuple[Any, ...], second: tuple[Any, ...], device: str = CPU
+) -> tuple[T, T]:
     """Call a function with both arguments; what it logs of the second comes after what it logs of the first.
 
     The calls share the threads of the kernels: what one does alone, as small matrix products, the other fills
-    with work. Where both fail, the error of the first is raised.
+    with work. Where both fail, the error of the first is raised. On another `device` than the processor they
+    run one after the other.
     """
+    if device != CPU:
+        return function(*first), function(*second)
     held = _HeldMessages()
     with single_blas_thread(), ThreadPoolExecutor(1, initializer=held.begin) as pool:
         later = pool.submit(function, *second)

@@ -173,7 +173,6 @@ def prepared_pair(
             operator, modes = given.operator, len(given.eigenvalues)
             shared = {key: given.parameters[key] for key in SHARED if key in given.parameters}
             settings = {**shared, **settings}
-
     here, there = (
         (given, _thinned(given, points, seed, settings, name))
         for given, name in ((source, "the source"), (target, "the target"))
@@ -182,9 +181,7 @@ def prepared_pair(
     def made(given: Any, cloud: ThinnedCloud) -> CloudToMatch:
         return _with_operator(given, cloud, operator, modes, settings)
 
-    if settings.get("device", CPU) != CPU:
-        return made(*here), made(*there)
-    return side_by_side(made, here, there)
+    return side_by_side(made, here, there, settings.get("device", CPU))
 
 
 def check_pair(found: Matching, source: Scan, target: Scan) -> None:

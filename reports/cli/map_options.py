@@ -129,15 +129,14 @@ def operators_of(
     device: str,
     departures: Any,
 ) -> tuple[dict[str, "Diffusion"], dict[str, "Diffusion"]]:
-    """The operators of these names on both clouds, made side by side where the device is the processor."""
-    from medial.device.backend import CPU
+    """The operators of these names on both clouds, made side by side."""
     from medial.side_by_side import side_by_side
 
     def made(cloud: "ThinnedCloud") -> dict[str, "Diffusion"]:
         return {name: operator_of(cloud, name, modes, device=device, departures=departures) for name in names}
 
     here, there = clouds
-    return side_by_side(made, (here,), (there,)) if device == CPU else (made(here), made(there))
+    return side_by_side(made, (here,), (there,), device)
 
 
 def write_map(

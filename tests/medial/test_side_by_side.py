@@ -56,6 +56,13 @@ def test_error_of_the_second_is_raised():
         side_by_side(called, ("first",), ("second",))
 
 
+def test_on_another_device_one_runs_after_the_other():
+    called = []
+    side_by_side(lambda name: called.append((name, threading.get_ident())), ("first",), ("second",), "cuda")
+    here = threading.get_ident()
+    assert called == [("first", here), ("second", here)]
+
+
 def test_filters_of_others_see_each_message_once(caplog):
     seen = []
     log.addFilter(keep := lambda record: seen.append(record.getMessage()) or True)
