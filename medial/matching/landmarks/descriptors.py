@@ -4,7 +4,7 @@ Both are divided by the heat trace at each time, so that no time outweighs the o
 cloud's own area, so that clouds of which different parts are missing compare.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,16 +35,22 @@ class DiffusionDescriptors:
     decay: NDArray[np.float32]
     psi: NDArray[np.float32]
     signature: NDArray[np.float32]
+    _kept: dict[int, NDArray[np.float32]] = field(default_factory=dict, repr=False, compare=False)
 
     def heat(self, landmark: int, rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
         """m_o(landmark, x) for some points x: one column per time, (rows, T)."""
         return self.psi[rows] @ (self.psi[landmark][:, None] * self.decay)
 
-    def heats(self, landmarks: NDArray[np.integer], rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
-        """m_o between several landmarks and some points, (landmarks, rows, T)."""
-        weights = self.psi[landmarks].T[:, :, None] * self.decay[:, None, :]  # (k, L, T)
-        table = self.psi[rows] @ weights.reshape(len(weights), -1)
-        return table.reshape(len(table), len(landmarks), -1).transpose(1, 0, 2)
+    def among_samples(self, sample: int) -> NDArray[np.float32]:
+        """m_o between a sample, given by its position, and all samples, (s, T).
+
+        Kept, as searches from different starts ask for the same samples. Each is computed by itself: its
+        last digits do not depend on which others are.
+        """
+        found = self._kept.get(sample)
+        if found is None:
+            found = self._kept[sample] = self.heat(int(self.samples[sample]), self.samples)
+        return found
 
     def signatures(self, rows: NDArray[np.integer] | slice) -> NDArray[np.float32]:
         """m_o(x, x) for some points x, (rows, T)."""

@@ -60,8 +60,8 @@ def search_landmarks(
             candidates = np.array([first_partner])
         else:
             candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
-        coordinates = source.heat(int(source.samples[landmark]), source.samples)
-        others = target.heats(target.samples[candidates], target.samples)
+        coordinates = source.among_samples(int(landmark))
+        others = [target.among_samples(int(each)) for each in candidates]
         best = int(candidate_costs(agreement, coordinates, others).argmin())
         partners[step] = candidates[best]
         product, square_x, square_y = _square_parts(coordinates, others[best])
@@ -96,8 +96,8 @@ def first_partners(
         Positions in `target.samples`.
     """
     candidates = nearest_signatures(source.signature[landmark], target.signature, config.candidates)
-    coordinates = source.heat(int(source.samples[landmark]), source.samples)
-    others = target.heats(target.samples[candidates], target.samples)
+    coordinates = source.among_samples(int(landmark))
+    others = [target.among_samples(int(each)) for each in candidates]
     none = np.zeros((len(target.samples), len(source.samples)), dtype=np.float32)
     costs = candidate_costs(none, coordinates, others)
     embedding = diffusion_map(target.diffusion, time, target.samples)
@@ -112,7 +112,7 @@ def first_partners(
     return np.array(chosen, dtype=np.int64)
 
 
-def candidate_costs(agreement: Float32, coordinates: Float32, others: Float32) -> Float64:
+def candidate_costs(agreement: Float32, coordinates: Float32, others: list[Float32]) -> Float64:
     """Objective of Eq. 16 for candidates.
 
     Parameters
@@ -121,7 +121,7 @@ def candidate_costs(agreement: Float32, coordinates: Float32, others: Float32) -
         Squared distances from landmarks found before, of target samples from source samples.
     coordinates : (s, T)
         Of the source samples, from the new landmark.
-    others : (candidates, m, T)
+    others : list of (m, T)
         Of the target samples, from each candidate.
 
     Returns
@@ -134,7 +134,7 @@ def candidate_costs(agreement: Float32, coordinates: Float32, others: Float32) -
 
 
 def _candidate_costs(
-    agreement: Float32, coordinates: Float32, others: Float32, costs: Float64
+    agreement: Float32, coordinates: Float32, others: list[Float32], costs: Float64
 ) -> Callable[[slice], None]:
     """Task that writes the objective of Eq. 16 for a slice of the candidates."""
 

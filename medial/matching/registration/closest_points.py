@@ -1,4 +1,4 @@
-"""Pairs of points with normals: how well they meet, and who is nearest; compiled."""
+"""Pairs of points: how well they meet, how far they are apart, and who is nearest; compiled."""
 
 from typing import Any
 
@@ -28,6 +28,16 @@ def meeting(points: Float, normals: Float, goals: Float, goal_normals: Float) ->
             dot += normals[i, r] * goal_normals[i, r]
         cosine[i] = min(1.0, max(0.0, dot))
     return square, cosine
+
+
+@compiled()
+def mean_distance(points: Float, goals: Float) -> float:
+    """Mean distance of points (n, 3) from their goals (n, 3)."""
+    total = 0.0
+    for i in range(len(points)):
+        a, b, c = points[i, 0] - goals[i, 0], points[i, 1] - goals[i, 1], points[i, 2] - goals[i, 2]
+        total += np.sqrt(a * a + b * b + c * c)
+    return total / len(points)
 
 
 @compiled()

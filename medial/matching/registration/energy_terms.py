@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets_gen.compiled import compiled
-from medial.matching.registration.envelope import BLOCK
+from medial.matching.registration.envelope import BLOCK, HEIGHT
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -81,7 +81,7 @@ def add_points(
             _add_force(right[col : col + 6], force[i], arms[m], w)
             for k in range(influences):
                 if nodes[i, k] >= nodes[i, m]:
-                    _add_block(values, origin[nodes[i, k]] + 6 * col, pulled, arms[k], weights[i, k])
+                    _add_block(values, origin[nodes[i, k]] + HEIGHT * col, pulled, arms[k], weights[i, k])
 
 
 @compiled()
@@ -120,7 +120,7 @@ def _add_block(values: Float, at: int, pulled: Float, z: Float, v: float) -> Non
         values[at + 3] += v * p0
         values[at + 4] += v * p1
         values[at + 5] += v * p2
-        at += 6
+        at += HEIGHT
 
 
 @compiled()
@@ -225,9 +225,9 @@ def _add_turn(values: Float, origin: Int, right: Float, axis: Float, i: int, j: 
     for r in range(3):
         right[6 * i + r] += s * axis[r]
         right[6 * j + r] -= s * axis[r]
-        values[origin[i] + BLOCK * i + 7 * r] += s
-        values[origin[j] + BLOCK * j + 7 * r] += s
-        values[origin[high] + BLOCK * low + 7 * r] -= s
+        values[origin[i] + BLOCK * i + (HEIGHT + 1) * r] += s
+        values[origin[j] + BLOCK * j + (HEIGHT + 1) * r] += s
+        values[origin[high] + BLOCK * low + (HEIGHT + 1) * r] -= s
 
 
 @compiled()
@@ -243,12 +243,11 @@ def _add_gap(
             row, col = i if a == 0 else j, i if b == 0 else j
             if row < col:
                 continue
-            at = origin[row] + BLOCK * col
-            for q in range(6 * b, 6 * b + 6):
-                for p in range(6 * a, 6 * a + 6):
+            for q in range(6):
+                at = origin[row] + BLOCK * col + HEIGHT * q
+                for p in range(6):
                     for r in range(3):
-                        values[at] += s * both[r, p] * both[r, q]
-                    at += 1
+                        values[at + p] += s * both[r, 6 * a + p] * both[r, 6 * b + q]
 
 
 @compiled()

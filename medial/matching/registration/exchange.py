@@ -16,6 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from datasets_gen.compiled import run_tasks
+from medial.matching.registration.closest_points import mean_distance
 from medial.matching.registration.fit import Fit
 from medial.matching.registration.registration import Registration, Schedule
 
@@ -71,8 +72,7 @@ def distinct(fits: Sequence[F], most: int, same: float = SAME_FIT) -> list[F]:
     """
     kept: list[F] = []
     for fit in sorted(fits, key=lambda f: -f.score):
-        gaps = (np.linalg.norm(fit.moved - other.moved, axis=1).mean() for other in kept)
-        if all(gap > same for gap in gaps):
+        if all(mean_distance(fit.moved, other.moved) > same for other in kept):
             kept.append(fit)
         if len(kept) == most:
             break

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from medial.matching.common_units import CloudInUnits, Int
 from medial.matching.landmarks.medial_paths import path_distortion
+from medial.matching.registration.closest_points import mean_distance
 from medial.matching.registration.direction import DirectedFit
 
 ALIKE = 0.075
@@ -38,7 +39,7 @@ class Placement:
 
     def gap(self, other: "Placement") -> float:
         """Mean distance between two placements, in sqrt(area)."""
-        return float(np.linalg.norm(self.places - other.places, axis=1).mean())
+        return mean_distance(self.places, other.places)
 
     def like(self, other: "Placement") -> bool:
         """Whether two placements differ by no more than a limb."""

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -49,12 +51,19 @@ def test_heat_is_equation_13_over_the_trace(pair):
     for x, y in ((0, 0), (5, 300), (200, 17)):
         expected = slow_heat(source.diffusion, x, y, times)
         np.testing.assert_allclose(source.heat(x, np.array([y]))[0], expected, rtol=1e-3, atol=1e-4)
-        np.testing.assert_allclose(
-            source.heats(np.array([x]), np.array([y]))[0, 0], expected, rtol=1e-3, atol=1e-4
-        )
     np.testing.assert_allclose(
         source.signatures(np.array([9]))[0], slow_heat(source.diffusion, 9, 9, times), rtol=1e-3
     )
+
+
+def test_heat_among_samples_does_not_depend_on_what_was_asked_before(pair):
+    _, _, fresh = pair
+    alone = [replace(fresh, _kept={}).among_samples(k).copy() for k in (0, 7, 30)]
+    for k in (30, 0, 7, 0):
+        fresh.among_samples(k)
+    for k, each in zip((0, 7, 30), alone, strict=True):
+        assert np.array_equal(fresh.among_samples(k), each)
+        assert np.array_equal(each, fresh.heat(int(fresh.samples[k]), fresh.samples))
 
 
 def test_gone_modes_are_zero_not_subnormal(pair):

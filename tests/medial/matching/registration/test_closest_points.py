@@ -10,6 +10,7 @@ from medial.matching.registration.closest_points import (
     FEW,
     LEAF,
     PlaceTree,
+    mean_distance,
     nearest_of_few,
     nearest_places,
 )
@@ -21,6 +22,13 @@ def test_nearest_of_few_is_that_of_a_tree(places, goals):
     random = np.random.default_rng(places)
     x, y = random.standard_normal((places, 6)), random.standard_normal((goals, 6))
     assert np.array_equal(nearest_of_few(x, y), cKDTree(x).query(y)[1])
+
+
+@pytest.mark.uncompiled
+def test_mean_distance():
+    points, goals = np.random.default_rng(0).standard_normal((2, 40, 3))
+    assert mean_distance(points, goals) == pytest.approx(np.linalg.norm(points - goals, axis=1).mean())
+    assert mean_distance(points, points + np.array([3.0, 0, 4])) == pytest.approx(5)
 
 
 @pytest.mark.uncompiled
