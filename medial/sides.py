@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 
 Float = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -47,7 +47,7 @@ class Neighbours:
         """Find the `NEIGHBOURS` nearest points of each of (n, 3); all others if there are fewer."""
         n = len(points)
         count = min(NEIGHBOURS, n - 1)
-        distances, near = cKDTree(points).query(points, k=count + 1, workers=thread_count())
+        distances, near = query_tree(cKDTree(points), points, k=count + 1)
         rows = np.repeat(np.arange(n), count)
         return cls(points, rows, near[:, 1:].ravel(), distances[:, 1:].ravel())
 

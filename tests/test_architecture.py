@@ -2,6 +2,7 @@
 
 import ast
 import graphlib
+import re
 import tomllib
 from collections import defaultdict
 from functools import cache
@@ -86,6 +87,12 @@ def test_kernels_are_compiled_in_one_way():
         "datasets_gen.compiled"
     ]
     assert not grown.targetoptions.get("fastmath")
+
+
+def test_trees_are_asked_on_our_threads():
+    """SciPy's own crash the process after Ctrl-C (`datasets_gen.points.neighbours.query_tree`)."""
+    asked = re.compile(r"\.query\w*\([^=]*\bworkers=|workers=thread_count")
+    assert [m for m, path in modules().items() if asked.search(path.read_text(encoding="utf-8"))] == []
 
 
 def test_no_import_cycles():

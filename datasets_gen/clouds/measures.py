@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from datasets_gen.clouds.point_cloud import Array
 from datasets_gen.clouds.precision import Rounding, rounding_of
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 from datasets_gen.points.outside import winding_numbers
 from datasets_gen.points.strays import stray_points
 
@@ -86,7 +86,7 @@ def _spacing_and(places: Array, points: Array) -> tuple[Array, int]:
     copies = len(points) - len(places)
     if len(places) < 2:
         return np.zeros(3), copies
-    gap = cKDTree(places).query(places, k=2, workers=thread_count())[0][:, 1]
+    gap = query_tree(cKDTree(places), places, k=2)[0][:, 1]
     return np.quantile(gap, [0.5, 0.05, 0.95]), copies
 
 
@@ -95,7 +95,7 @@ def _groups(places: Array) -> int:
     n = len(places)
     if n < 2:
         return n
-    gap, near = cKDTree(places).query(places, k=min(NEIGHBOURS, n - 1) + 1, workers=thread_count())
+    gap, near = query_tree(cKDTree(places), places, k=min(NEIGHBOURS, n - 1) + 1)
     rows = np.repeat(np.arange(n), near.shape[1])
     close = gap.ravel() <= GAP * float(np.median(gap[:, 1]))
     graph = coo_array((np.ones(close.sum()), (rows[close], near.ravel()[close])), shape=(n, n))

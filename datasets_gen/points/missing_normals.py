@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 
 NEIGHBOURS = 12
 """Through which the plane of a point goes, and whose normals tell its side."""
@@ -37,11 +37,11 @@ def filled_normals(
     out = np.array(normals, dtype=np.float64)
     places, rows = points[lacking], np.flatnonzero(~lacking)
     count = min(NEIGHBOURS, len(rows))
-    near = cKDTree(points[rows]).query(places, k=count, workers=thread_count())[1].reshape(len(places), count)
+    near = query_tree(cKDTree(points[rows]), places, k=count)[1].reshape(len(places), count)
     given = out[rows]
     given = given / np.linalg.norm(given, axis=1, keepdims=True)
     mean = given[near].sum(axis=1)
-    around = cKDTree(points).query(places, k=min(NEIGHBOURS + 1, len(points)), workers=thread_count())[1]
+    around = query_tree(cKDTree(points), places, k=min(NEIGHBOURS + 1, len(points)))[1]
     cloud = points[around.reshape(len(places), -1)]
     cloud = cloud - cloud.mean(axis=1, keepdims=True)
     values, axes = np.linalg.eigh(np.einsum("mki,mkj->mij", cloud, cloud))

@@ -1,10 +1,44 @@
-"""Graphs of nearest neighbours, joined across gaps: a scan's gaps must not make its parts infinitely far."""
+"""Nearest neighbours, and graphs of them: a scan's gaps must not make its parts infinitely far."""
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
+
+from datasets_gen.compiled import ranges, run_tasks
+
+ROWS_PER_TASK = 2048
+
+
+def query_tree(
+    tree: cKDTree, points: NDArray[np.floating], k: int = 1, within: float = np.inf
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Distances and ids of the nearest points in a tree, as ``tree.query`` gives them, on our threads.
+
+    SciPy's own (``workers=``) go on writing into arrays that are freed when an exception, such as that of
+    Ctrl-C, ends the wait for them: the process, or the notebook's kernel, crashes.
+
+    Parameters
+    ----------
+    tree
+    points : (n, d)
+    k
+        How many.
+    within
+        Largest distance.
+
+    Returns
+    -------
+    (n,) or (n, k) float64, (n,) or (n, k) int64
+        Infinity and the size of the tree where there is none.
+    """
+    spans = ranges(len(points), ROWS_PER_TASK) or [(0, 0)]
+    parts = run_tasks(
+        lambda start, stop: tree.query(points[start:stop], k=k, distance_upper_bound=within), spans
+    )
+    distances, ids = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return distances, ids
 
 
 def neighbour_pairs(tree: cKDTree, neighbours: int) -> NDArray[np.int64]:
@@ -22,7 +56,7 @@ def neighbour_pairs(tree: cKDTree, neighbours: int) -> NDArray[np.int64]:
     (E, 2) int64
         Each pair once, the smaller id first, in ascending order.
     """
-    _, near = tree.query(tree.data, k=min(neighbours + 1, tree.n))
+    _, near = query_tree(tree, tree.data, min(neighbours + 1, tree.n))
     near = near.reshape(tree.n, -1)[:, 1:]
     pairs = np.column_stack([np.repeat(np.arange(tree.n), near.shape[1]), near.ravel()])
     return _unique(pairs)

@@ -10,7 +10,8 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 from scipy.spatial import cKDTree
 
 from datasets_gen.clouds.point_cloud import counted
-from datasets_gen.compiled import compiled, thread_count
+from datasets_gen.compiled import compiled
+from datasets_gen.points.neighbours import query_tree
 from datasets_gen.points.outside import outward_field
 from datasets_gen.records import InputError
 
@@ -88,7 +89,7 @@ def _nearest(points: NDArray[np.float64], neighbours: int) -> NDArray[np.int64]:
             f"{counted(len(points), 'point')}: too few for normals from "
             f"{counted(neighbours, 'neighbour')} each"
         )
-    return cKDTree(points).query(points, k=neighbours + 1, workers=thread_count())[1]
+    return query_tree(cKDTree(points), points, k=neighbours + 1)[1]
 
 
 def toward(

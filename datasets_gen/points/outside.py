@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import compiled, ranges, run_tasks, thread_count
+from datasets_gen.compiled import compiled, ranges, run_tasks
+from datasets_gen.points.neighbours import query_tree
 
 MOST_SOURCES = 8000
 """Points that act on the others; of larger clouds a part, picked at random."""
@@ -72,7 +73,7 @@ def winding_numbers(points: Float, normals: Float) -> Float:
 def _sources(points: Float) -> tuple[NDArray[np.int64], Float, float]:
     """Points that act, the areas that they stand for, and the squared softening length."""
     n = len(points)
-    distances, _ = cKDTree(points).query(points, k=min(RING, n - 1) + 1, workers=thread_count())
+    distances, _ = query_tree(cKDTree(points), points, k=min(RING, n - 1) + 1)
     spacing = distances[:, 1:].mean(axis=1)
     acting = np.arange(n)
     if n > MOST_SOURCES:

@@ -6,7 +6,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 
 FAR = 1.5
 """Gap to all other points from which a group is stray, in median distances of the points from their median. A
@@ -43,7 +43,7 @@ def stray_points(points: NDArray[np.float64]) -> NDArray[np.bool_]:
     left = np.bincount(label)[label] <= few
     while left.any() and not left.all():
         rest = np.flatnonzero(left)
-        gap, _ = cKDTree(points[~left]).query(points[rest], distance_upper_bound=far, workers=thread_count())
+        gap, _ = query_tree(cKDTree(points[~left]), points[rest], within=far)
         near = np.isin(label, label[rest[np.isfinite(gap)]]) & left
         if not near.any():
             return left
@@ -53,7 +53,7 @@ def stray_points(points: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 def nearest_kept(points: NDArray[np.float64], stray: NDArray[np.bool_]) -> NDArray[np.int64]:
     """For each point the nearest one that is not stray, (n,), counted among those: itself, unless it is."""
-    _, nearest = cKDTree(points[~stray]).query(points, workers=thread_count())
+    _, nearest = query_tree(cKDTree(points[~stray]), points)
     nearest[~stray] = np.arange(np.count_nonzero(~stray))
     return np.asarray(nearest, dtype=np.int64)
 
@@ -61,7 +61,7 @@ def nearest_kept(points: NDArray[np.float64], stray: NDArray[np.bool_]) -> NDArr
 def _groups(points: NDArray[np.float64], far: float) -> NDArray[np.int32]:
     """Connected components of the graph of nearest neighbours that are less than `far` apart, as labels."""
     n = len(points)
-    gap, near = cKDTree(points).query(points, k=min(NEIGHBOURS, n - 1) + 1, workers=thread_count())
+    gap, near = query_tree(cKDTree(points), points, k=min(NEIGHBOURS, n - 1) + 1)
     rows = np.repeat(np.arange(n), near.shape[1])
     kept = gap.ravel() < far
     graph = coo_array((np.ones(kept.sum()), (rows[kept], near.ravel()[kept])), shape=(n, n))

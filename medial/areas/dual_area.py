@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import compiled, ranges, run_tasks, thread_count
+from datasets_gen.compiled import compiled, ranges, run_tasks
+from datasets_gen.points.neighbours import query_tree
 from medial.areas.hull_triangles import hull_areas
 from medial.areas.surface_cells import surface_areas
 from medial.similarity.candidate_ball import candidate_ball, columns
@@ -137,7 +138,7 @@ def areas_of_hulls(
     """`dual_areas` of points that have been checked; NaN where a point has no hull."""
     order = kd_order(centers)
     sphere = leaf_spheres(centers[order])
-    distances, neighbours = tree.query(points[order], k=max(nearest, 1) + 1, workers=thread_count())
+    distances, neighbours = query_tree(tree, points[order], k=max(nearest, 1) + 1)
     epsilon = EPSILON * float(distances[:, 1].mean())
     place = np.empty_like(order)
     place[order] = np.arange(len(order))

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from datasets_gen.compiled import compiled, ranges, run_tasks, thread_count
+from datasets_gen.compiled import compiled, ranges, run_tasks
+from datasets_gen.points.neighbours import query_tree
 from medial.validation import OrientedCloud, check_cloud
 
 NEIGHBOURS = 24
@@ -39,7 +40,7 @@ def surface_cells(cloud: OrientedCloud) -> NDArray[np.float64]:
     """`surface_areas` of a cloud that has been checked."""
     points, normals = cloud.points, cloud.normals
     count = min(NEIGHBOURS + 1, len(points))
-    distances, neighbours = cloud.tree.query(points, k=count, workers=thread_count())
+    distances, neighbours = query_tree(cloud.tree, points, k=count)
     reach = REACH * _ring_distances(normals, distances, neighbours)
     reach = np.minimum(reach, LARGEST_CELL * np.median(reach[neighbours[:, 1:]], axis=1))
     tasks = [(points, normals, neighbours, reach, *span) for span in ranges(len(points), ROWS_PER_TASK)]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 from medial.departures import ALL_DEPARTURES, Departures
 from medial.sparse import symmetric
 
@@ -63,7 +63,7 @@ def gaussian_weights(
         return _weights_of_all(points, areas, tree, departures)
     n = len(points)
     nearest, reached = min(NEAREST, n - 1), min(REACHED, n - 1)
-    distances, neighbours = tree.query(points, k=reached + 1, workers=thread_count())
+    distances, neighbours = query_tree(tree, points, k=reached + 1)
     rows = np.repeat(np.arange(n), reached)
     cols = neighbours[:, 1:].ravel()
     h = _bandwidths(rows, cols, areas[neighbours[:, : nearest + 1]].mean(axis=1), distances[:, nearest])
@@ -96,7 +96,7 @@ def _weights_of_all(
     smooth, far = np.full(n, areas.mean()), np.zeros(n)
     if departures.adaptive_bandwidth:
         nearest = min(NEAREST, n - 1)
-        distances, neighbours = tree.query(points, k=nearest + 1, workers=thread_count())
+        distances, neighbours = query_tree(tree, points, k=nearest + 1)
         smooth, far = areas[neighbours].mean(axis=1), distances[:, nearest]
     least = SMALLEST_WEIGHT if departures.truncation else TINY
     widest = max(BANDWIDTH * float(smooth.max()), WIDEST * float(far.max()) ** 2)

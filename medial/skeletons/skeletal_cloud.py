@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 from medial.skeletons.curve_skeleton import CurveSkeleton
 from medial.skeletons.graph_cleaning import bridged, collapsed, pruned, without_specks, zipped
 from medial.skeletons.line_extraction import joined_groups, sampled
@@ -63,7 +63,7 @@ class SkeletalCloud:
     def inside(self) -> "SkeletalCloud":
         """The same, without centres outside the body: most surface points around those face them."""
         points, normals = self.graph.points, self.graph.normals
-        near = cKDTree(points).query(self.centers, k=min(AROUND, len(points)), workers=thread_count())[1]
+        near = query_tree(cKDTree(points), self.centers, k=min(AROUND, len(points)))[1]
         near = near.reshape(len(points), -1)
         outward = np.einsum("nkd,nkd->nk", points[near] - self.centers[:, None], normals[near]) > 0
         return replace(self, known=self.known & (outward.mean(axis=1) > 0.5))
@@ -90,7 +90,7 @@ class SkeletalCloud:
             return np.zeros((0, 2), np.int64)
         centers, radii = self.centers[ids], self.radii[ids]
         count = min(CENTERS_TRIED, len(ids))
-        gaps, near = cKDTree(centers).query(centers, k=count, workers=thread_count())
+        gaps, near = query_tree(cKDTree(centers), centers, k=count)
         i, j = np.repeat(np.arange(len(ids)), count), near.ravel()
         close = (gaps.ravel() <= SAME_LIMB * np.minimum(radii[i], radii[j])) & (i != j)
         return np.column_stack([ids[i[close]], ids[j[close]]])

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
-from datasets_gen.points.neighbours import neighbour_pairs
+from datasets_gen.points.neighbours import neighbour_pairs, query_tree
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -57,7 +56,7 @@ class SurfaceGraph:
         way, turn = points[j] - points[i], normals[i] - normals[j]
         opposite = np.einsum("ed,ed->e", normals[i], normals[j]) < 0
         facing = opposite & (np.einsum("ed,ed->e", way, turn) > 0)
-        nearest = tree.query(points, k=SPACING_NEIGHBOURS + 1, workers=thread_count())[0]
+        nearest = query_tree(tree, points, k=SPACING_NEIGHBOURS + 1)[0]
         return cls(points, normals, pairs[~facing], float(np.median(nearest[:, -1])))
 
     def __len__(self) -> int:

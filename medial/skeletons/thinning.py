@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 
 Float = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -65,7 +65,7 @@ def thinned_centers(centers: Float, radii: Float, rounds: int, spacing: float) -
     reach = np.maximum(REACH * radii, spacing)
     moved = centers.copy()
     for _ in range(rounds):
-        gaps, index = cKDTree(moved).query(moved, k=count, workers=thread_count())
+        gaps, index = query_tree(cKDTree(moved), moved, k=count)
         gaps, index = gaps.reshape(len(moved), -1), index.reshape(len(moved), -1)
         weights = np.maximum(1 - (gaps / reach[:, None]) ** 2, 0) ** 2
         moved = _drawn_together(moved, index, weights)

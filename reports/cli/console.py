@@ -55,6 +55,8 @@ class Command(click.Command):
             except (click.ClickException, click.exceptions.Exit, click.Abort):
                 raise
             except Exception as error:
+                if isinstance(error.__cause__, KeyboardInterrupt):  # Ctrl-C just when a kernel returned
+                    raise KeyboardInterrupt from error
                 if debug:
                     raise
                 raise Failure(reason(error)) from error

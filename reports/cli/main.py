@@ -1,10 +1,15 @@
 """Command line ``medialbench``: the group of commands, each imported when it is asked for."""
 
+import contextlib
 import difflib
 import io
+import os
+import signal
 import sys
+import threading
 from collections.abc import MutableMapping, Sequence
 from importlib import import_module
+from types import FrameType
 from typing import Any
 
 import click
@@ -28,6 +33,12 @@ COMMANDS = {
     "generate": "reports.cli.generate:generate",
 }
 """Where each command is, in the order of the help page."""
+RETRY = 0.02
+"""Seconds after which Ctrl-C is tried again where it cannot be raised at once."""
+
+
+class Abandoned(SystemExit):
+    """Leaves a command that was interrupted where no command expects it: threads may still compute."""
 
 
 class Commands(click.Group):
@@ -76,7 +87,7 @@ class Commands(click.Group):
             status = error.exit_code
         except (click.Abort, KeyboardInterrupt):
             _print_failure("interrupted")
-            status = Interrupted.exit_code
+            raise Abandoned(Interrupted.exit_code) from None
         sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -112,7 +123,39 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that is not UTF-8 gets a ? for what it lacks
-    cli.main()
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
+    try:
+        cli.main()
+    except Abandoned as left:
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError):  # closed, as by a pager that was left
+                stream.flush()
+        os._exit(int(left.code or 0))  # the interpreter must not be taken down under threads that compute
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, but not while machine code is loaded: it would be lost, and the code too.
+
+    LLVM calls Python back while it loads a kernel. What is raised in such a call is printed and ignored, and
+    the kernel that was not loaded is run all the same. So it is tried again a moment later.
+    """
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith("llvmlite."):
+            again = threading.Timer(RETRY, _send_to_main_thread, [number])
+            again.daemon = True
+            again.start()
+            return
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+def _send_to_main_thread(number: int) -> None:
+    main_thread = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and main_thread is not None:
+        signal.pthread_kill(main_thread, number)  # ends a wait, which `raise_signal` does not
+    else:
+        signal.raise_signal(number)
 
 
 if __name__ == "__main__":

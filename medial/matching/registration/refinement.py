@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from datasets_gen.compiled import thread_count
+from datasets_gen.points.neighbours import query_tree
 from medial.matching.common_units import CloudInUnits
 from medial.matching.registration.deformation_graph import Attachment, NodeGraph, Pose, moved, moved_centers
 from medial.matching.registration.evidence import WEIGHTS, Weights, medial_gap
@@ -172,5 +172,5 @@ class FineDeformation:
 def _nearest(places: Float, goals: Float) -> Int:
     """The `MEETING` places nearest to each goal, nearest first; all if there are fewer."""
     count = min(MEETING, len(places))
-    near = cKDTree(places).query(goals, k=count, workers=thread_count())[1]
+    near = query_tree(cKDTree(places), goals, k=count)[1]
     return near.reshape(len(goals), count).astype(np.int64)

@@ -6,7 +6,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
-from datasets_gen.points.neighbours import join_parts, neighbour_pairs
+from datasets_gen.points.neighbours import ROWS_PER_TASK, join_parts, neighbour_pairs, query_tree
 
 
 def islands(count=5, each=40, seed=0):
@@ -17,6 +17,20 @@ def islands(count=5, each=40, seed=0):
 
 def graph(pairs, n):
     return csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+
+
+@pytest.mark.parametrize("k", [1, 4])
+@pytest.mark.parametrize("count", [0, 1, 2 * ROWS_PER_TASK + 5])
+def test_a_tree_answers_as_scipy_does(count, k):
+    random = np.random.default_rng(0)
+    tree, points = cKDTree(random.random((300, 3))), 1.2 * random.random((count, 3))
+    for within in (np.inf, 0.05):
+        found, expected = (
+            query_tree(tree, points, k, within),
+            tree.query(points, k, distance_upper_bound=within),
+        )
+        assert np.array_equal(found[0], expected[0])
+        assert np.array_equal(found[1], expected[1])
 
 
 def test_pairs_are_the_nearest_neighbours():
