@@ -17,7 +17,7 @@ from evaluation.running.run import known_poses
 from evaluation.running.task_queue import by_stage
 
 TYPICAL_POINTS = 5000
-"""Points per cloud that `TYPICAL` belongs to; operators and maps take longer in proportion."""
+"""Points per cloud that `TYPICAL` belongs to; operators of more take longer in proportion."""
 
 
 @dataclass(frozen=True)
@@ -113,10 +113,12 @@ def _poses(plan: Plan) -> dict[str, tuple[str, ...]]:
 def _seconds_per_stage(
     plan: Plan, records: Mapping[str, Mapping[str, Any] | None], points: int
 ) -> dict[str, float]:
-    """Mean seconds of the stored results by stage; typical ones where nothing is stored."""
+    """Mean seconds of the stored results by stage; typical ones where nothing is stored.
+
+    Operators take time in proportion to the points, maps hardly more for more of them (docs/matching.md).
+    """
     found = dict(TYPICAL)
-    for stage in ("operator", "map"):
-        found[stage] *= points / TYPICAL_POINTS
+    found["operator"] *= points / TYPICAL_POINTS
     taken: dict[str, list[float]] = defaultdict(list)
     for key, record in records.items():
         if record is not None:

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from evaluation.results.outcome import Outcome
 
-TYPICAL = {"shape": 15.0, "render": 2.0, "scan": 0.2, "operator": 1.5, "map": 14.0, "score": 0.7} | {
+TYPICAL = {"shape": 15.0, "render": 1.0, "scan": 0.2, "operator": 1.1, "map": 10.0, "score": 0.5} | {
     "reference": 15.0,
     "shard": 25.0,
 }
