@@ -33,6 +33,8 @@ COMMANDS = {
     "generate": "reports.cli.generate:generate",
 }
 """Where each command is, in the order of the help page."""
+DELICATE = ("importlib._bootstrap", "llvmlite.")
+"""Modules in whose calls Ctrl-C is not raised."""
 RETRY = 0.02
 """Seconds after which Ctrl-C is tried again where it cannot be raised at once."""
 
@@ -85,8 +87,11 @@ class Commands(click.Group):
         except click.ClickException as error:
             _print_failure(error.format_message())
             status = error.exit_code
-        except (click.Abort, KeyboardInterrupt):
-            _print_failure("interrupted")
+        except (click.Abort, KeyboardInterrupt, OSError) as error:
+            if isinstance(error, OSError) and not isinstance(error.__context__, KeyboardInterrupt):
+                raise
+            with contextlib.suppress(OSError):  # a full disk, or a pipe that nobody reads
+                _print_failure("interrupted")
             raise Abandoned(Interrupted.exit_code) from None
         sys.exit(status if isinstance(status, int) else 0)
 
@@ -129,19 +134,20 @@ def main() -> None:
         cli.main()
     except Abandoned as left:
         for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(OSError, ValueError):  # closed, as by a pager that was left
+            with contextlib.suppress(OSError, ValueError, AttributeError):  # closed; None if never open
                 stream.flush()
         os._exit(int(left.code or 0))  # the interpreter must not be taken down under threads that compute
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, but not while machine code is loaded: it would be lost, and the code too.
+    """Raise KeyboardInterrupt, but not while a module is imported or machine code is loaded.
 
-    LLVM calls Python back while it loads a kernel. What is raised in such a call is printed and ignored, and
-    the kernel that was not loaded is run all the same. So it is tried again a moment later.
+    Some packages ignore whatever is raised while they import others, and go on without these; C++ ones end
+    the process. LLVM calls Python back while it loads a kernel: what is raised in such a call is printed and
+    ignored, and the kernel that was not loaded is run all the same. So it is tried again a moment later.
     """
     while frame is not None:
-        if frame.f_globals.get("__name__", "").startswith("llvmlite."):
+        if frame.f_globals.get("__name__", "").startswith(DELICATE):
             again = threading.Timer(RETRY, _send_to_main_thread, [number])
             again.daemon = True
             again.start()

@@ -38,9 +38,10 @@ def test_a_match_that_is_interrupted_ends_with_one_line(tmp_path):
 
 
 @needs_signals
-def test_ctrl_c_waits_while_machine_code_is_loaded():
-    """What is raised within a call from LLVM is lost: it is raised after that."""
-    code = """
+@pytest.mark.parametrize("module", ["llvmlite.binding", "importlib._bootstrap_external"])
+def test_ctrl_c_waits_while_modules_and_machine_code_are_loaded(module):
+    """What is raised within these calls is lost or fatal: it is raised after that."""
+    code = f"""
 import signal, time, types
 from reports.cli import main
 
@@ -48,7 +49,7 @@ def loading(order):
     signal.raise_signal(signal.SIGINT)
     order.append("loaded")
 
-load = types.FunctionType(loading.__code__, {"__name__": "llvmlite.binding", "signal": signal})
+load = types.FunctionType(loading.__code__, {{"__name__": {module!r}, "signal": signal}})
 signal.signal(signal.SIGINT, main._interrupt)
 order = []
 try:
@@ -67,6 +68,17 @@ print(order)
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     assert found.stdout.strip() == "['loaded', 'after', 'interrupted', 'at once']"
+
+
+@needs_signals
+@pytest.mark.parametrize("closed", ["1>&-", "2>&-", "2>/dev/full"])
+def test_ctrl_c_where_nothing_can_be_printed(closed, tmp_path):
+    code = (
+        "import os, signal, sys; from reports.cli.main import cli, main; sys.argv[1:] = ['doctor'];"
+        "cli.get_command = lambda ctx, name: os.kill(os.getpid(), signal.SIGINT); main()"
+    )
+    script = f'exec {sys.executable} -c "{code}" {closed}'
+    assert subprocess.run(["bash", "-c", script], timeout=60, check=False).returncode == 130
 
 
 def test_ctrl_c_just_when_a_kernel_returns(monkeypatch):
