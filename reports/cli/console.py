@@ -55,11 +55,17 @@ class Command(click.Command):
             except (click.ClickException, click.exceptions.Exit, click.Abort):
                 raise
             except Exception as error:
-                if isinstance(error.__cause__, KeyboardInterrupt):  # Ctrl-C just when a kernel returned
+                if is_of_interrupt(error):
                     raise KeyboardInterrupt from error
                 if debug:
                     raise
                 raise Failure(reason(error)) from error
+
+
+def is_of_interrupt(error: BaseException) -> bool:
+    """Whether an exception came of Ctrl-C: it turns into a SystemError where a compiled function returns."""
+    earlier = error.__cause__ or error.__context__
+    return earlier is not None and (isinstance(earlier, KeyboardInterrupt) or is_of_interrupt(earlier))
 
 
 def reason(error: Exception) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from reports.cli.console import Failure, Interrupted
+from reports.cli.console import Failure, Interrupted, is_of_interrupt
 
 COMMANDS = {
     "doctor": "reports.cli.doctor:doctor",
@@ -88,7 +88,7 @@ class Commands(click.Group):
             _print_failure(error.format_message())
             status = error.exit_code
         except (click.Abort, KeyboardInterrupt, OSError) as error:
-            if isinstance(error, OSError) and not isinstance(error.__context__, KeyboardInterrupt):
+            if isinstance(error, OSError) and not is_of_interrupt(error):
                 raise
             with contextlib.suppress(OSError):  # a full disk, or a pipe that nobody reads
                 _print_failure("interrupted")

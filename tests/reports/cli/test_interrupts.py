@@ -31,7 +31,7 @@ def test_a_match_that_is_interrupted_ends_with_one_line(tmp_path):
         time.sleep(2.5)  # within the operators
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
-    assert process.returncode == 130
+    assert process.returncode == 130, errors
     assert errors.rstrip().endswith("medialbench: interrupted")
     assert "Traceback" not in errors
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.xyz", "b.xyz"]
