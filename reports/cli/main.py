@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import MutableMapping, Sequence
 from importlib import import_module
 from types import FrameType
@@ -37,6 +38,8 @@ DELICATE = ("importlib._bootstrap", "llvmlite.")
 """Modules in whose calls Ctrl-C is not raised."""
 RETRY = 0.02
 """Seconds after which Ctrl-C is tried again where it cannot be raised at once."""
+PATIENCE = 5.0
+"""Seconds after which it is raised all the same."""
 
 
 class Abandoned(SystemExit):
@@ -129,7 +132,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that is not UTF-8 gets a ? for what it lacks
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _interrupt)
+        signal.signal(signal.SIGINT, Interrupt())
     try:
         cli.main()
     except Abandoned as left:
@@ -139,21 +142,37 @@ def main() -> None:
         os._exit(int(left.code or 0))  # the interpreter must not be taken down under threads that compute
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, but not while a module is imported or machine code is loaded.
+class Interrupt:
+    """Raises KeyboardInterrupt, but not while a module is imported or machine code is loaded.
 
     Some packages ignore whatever is raised while they import others, and go on without these; C++ ones end
     the process. LLVM calls Python back while it loads a kernel: what is raised in such a call is printed and
-    ignored, and the kernel that was not loaded is run all the same. So it is tried again a moment later.
+    ignored, and the kernel that was not loaded is run all the same. So it is tried again a moment later, for
+    no more than `PATIENCE`: a module of a user may compute for hours as it is imported.
     """
-    while frame is not None:
-        if frame.f_globals.get("__name__", "").startswith(DELICATE):
+
+    def __init__(self) -> None:
+        self._since: float | None = None
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        """Handle a signal."""
+        now = time.monotonic()
+        self._since = now if self._since is None else self._since
+        if now - self._since < PATIENCE and _is_delicate(frame):
             again = threading.Timer(RETRY, _send_to_main_thread, [number])
             again.daemon = True
             again.start()
             return
+        self._since = None
+        raise KeyboardInterrupt
+
+
+def _is_delicate(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if str(frame.f_globals.get("__name__")).startswith(DELICATE):
+            return True
         frame = frame.f_back
-    raise KeyboardInterrupt
+    return False
 
 
 def _send_to_main_thread(number: int) -> None:

@@ -50,7 +50,7 @@ def loading(order):
     order.append("loaded")
 
 load = types.FunctionType(loading.__code__, {{"__name__": {module!r}, "signal": signal}})
-signal.signal(signal.SIGINT, main._interrupt)
+signal.signal(signal.SIGINT, main.Interrupt())
 order = []
 try:
     load(order)
@@ -68,6 +68,20 @@ print(order)
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     assert found.stdout.strip() == "['loaded', 'after', 'interrupted', 'at once']"
+
+
+@needs_signals
+def test_an_import_that_does_not_end_is_interrupted(tmp_path):
+    (tmp_path / "endless.py").write_text(
+        "import os, signal, time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(60)\n"
+    )
+    code = (
+        "import signal, sys; from reports.cli import main; main.PATIENCE = 0.3;"
+        "signal.signal(signal.SIGINT, main.Interrupt()); sys.path.insert(0, sys.argv[1]); import endless"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    found = subprocess.run(command, capture_output=True, text=True, timeout=40, check=False)
+    assert found.stderr.rstrip().endswith("KeyboardInterrupt")
 
 
 @needs_signals
