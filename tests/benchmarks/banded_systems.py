@@ -45,7 +45,7 @@ def as_band(system):
 
 
 def enveloped(envelope):
-    return lambda values, right: cholesky_solve(values, right, envelope.lowest, envelope.origin)
+    return lambda values, right: cholesky_solve(values, right, envelope.first, envelope.origin)
 
 
 def banded(band, right):

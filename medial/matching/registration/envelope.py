@@ -52,8 +52,7 @@ class Envelope:
     def origin(self) -> Int:
         """Where the first row of each node has column 0, or would have it, (N,)."""
         nodes = np.arange(len(self.lowest))
-        strip = nodes // STRIP
-        return np.asarray((self._start[:-1] - BLOCK * self._first)[strip] + 6 * (nodes % STRIP))
+        return np.asarray(self._start[nodes // STRIP] - BLOCK * self.first + 6 * (nodes % STRIP))
 
     @cached_property
     def diagonal(self) -> Int:
@@ -68,23 +67,24 @@ class Envelope:
     def dense(self, values: Float) -> Float:
         """The lower triangle of a system as a matrix, (6 N, 6 N)."""
         count = len(self.lowest)
-        matrix = np.zeros((HEIGHT * len(self._first), 6 * count))
-        for k, (low, start, stop) in enumerate(
-            zip(self._first, self._start[:-1], self._start[1:], strict=True)
-        ):
+        matrix = np.zeros((HEIGHT * (len(self._start) - 1), 6 * count))
+        for k, low in enumerate(self.first[::STRIP]):
+            start, stop = self._start[k : k + 2]
             columns = values[start:stop].reshape(-1, HEIGHT)[: 6 * (count - low)]
             matrix[HEIGHT * k : HEIGHT * (k + 1), 6 * low : 6 * low + len(columns)] = columns.T
         return np.tril(matrix[: 6 * count])
 
     @cached_property
-    def _first(self) -> Int:
-        """Node of the first column of each strip."""
-        return np.minimum.reduceat(self.lowest, np.arange(0, len(self.lowest), STRIP))
+    def first(self) -> Int:
+        """Node of the first column that is stored of each node's strip, (N,)."""
+        nodes = np.arange(len(self.lowest))
+        return np.asarray(np.minimum.reduceat(self.lowest, nodes[::STRIP])[nodes // STRIP])
 
     @cached_property
     def _start(self) -> Int:
         """Where each strip starts, and the last one ends."""
-        nodes = STRIP * np.arange(1, len(self._first) + 1) - self._first
+        lowest = self.first[::STRIP]
+        nodes = STRIP * np.arange(1, len(lowest) + 1) - lowest
         return np.concatenate([np.zeros(1, np.int64), BLOCK * np.cumsum(nodes)])
 
 
@@ -104,11 +104,11 @@ def solve(values: Float, right: Float, envelope: Envelope) -> Float:
     """
     diagonal = envelope.diagonal
     values[diagonal] += 1e-6 * values[diagonal].sum() / len(diagonal) + 1e-12
-    return np.asarray(cholesky_solve(values, right, envelope.lowest, envelope.origin))
+    return np.asarray(cholesky_solve(values, right, envelope.first, envelope.origin))
 
 
 @compiled()
-def cholesky_solve(values: Float, right: Float, lowest: Int, origin: Int) -> Float:
+def cholesky_solve(values: Float, right: Float, first: Int, origin: Int) -> Float:
     """Solution of a positive definite system, (6 N,); its values are overwritten by the Cholesky factor.
 
     Parameters
@@ -116,14 +116,10 @@ def cholesky_solve(values: Float, right: Float, lowest: Int, origin: Int) -> Flo
     values
         What lies above the diagonal is not read.
     right : (6 N,)
-    lowest, origin : (N,)
+    first, origin : (N,)
         Of the `Envelope`.
     """
-    count = len(lowest)
-    first = np.empty(count, np.int64)
-    for i in range(count):
-        first[i] = min(lowest[i // STRIP * STRIP], lowest[min(i // STRIP * STRIP + 1, count - 1)])
-    sums = np.zeros((6, HEIGHT))
+    count, sums = len(first), np.zeros((6, HEIGHT))
     for i in range(0, count, STRIP):
         for j in range(first[i], min(i + STRIP, count)):
             shared = max(first[i], first[j])

@@ -48,7 +48,7 @@ def test_numbers_lie_where_they_are_said_to():
 @pytest.mark.parametrize("lowest", LOWEST.values(), ids=LOWEST)
 def test_the_solution_is_that_of_the_dense_matrix(lowest):
     envelope, values, matrix, right = random_system(lowest)
-    found = cholesky_solve(values, right, envelope.lowest, envelope.origin)
+    found = cholesky_solve(values, right, envelope.first, envelope.origin)
     assert np.allclose(found, np.linalg.solve(matrix, right), rtol=1e-9)
     assert np.allclose(envelope.dense(values), np.linalg.cholesky(matrix), rtol=1e-9)
 
@@ -58,7 +58,7 @@ def test_the_solution_is_that_of_the_dense_matrix(lowest):
 def test_any_envelope(widths, seed):
     lowest = [max(0, i - width) for i, width in enumerate(widths)]
     envelope, values, matrix, right = random_system(lowest, seed)
-    found = cholesky_solve(values, right, envelope.lowest, envelope.origin)
+    found = cholesky_solve(values, right, envelope.first, envelope.origin)
     assert np.allclose(matrix @ found, right, rtol=1e-9)
 
 
@@ -68,7 +68,7 @@ def test_what_lies_above_the_diagonal_is_not_read():
     read = mine[mine > 0] - 1
     other[read] = values[read]
     assert not np.array_equal(other, values)
-    both = [cholesky_solve(v, right, envelope.lowest, envelope.origin) for v in (values, other)]
+    both = [cholesky_solve(v, right, envelope.first, envelope.origin) for v in (values, other)]
     assert np.array_equal(*both)
 
 
