@@ -37,22 +37,29 @@ def search_from(
     tried
         Candidates of any direction.
     further
-        Makes more candidates, for when none of the first promises enough (`SURE`). Then rigid motions are
-        tried as well, and rivals are made of the best fits if that helps too little.
+        Makes more candidates, for when none of the first promises enough (`SURE`). If none of those does
+        either, rigid motions are tried as well, and rivals are made of the best fits if that helps too
+        little.
     """
     followed = follow(directions, tried)
     settled = settle(directions, followed)
     if further is None:
         return SearchedFits(tried, followed, moving(search(directions, moving(settled))))
-    sure = max(promises(settled), default=-math.inf) >= SURE
+    sure = promises_enough(settled)
     if not sure:
         more = further()
         more_followed = follow(directions, more)
-        settled += settle(directions, more_followed)
-        tried, followed = tried + more, followed + more_followed
-        if directions[0].pair.config.rigid_starts or not settled:
-            settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
+        more_settled = settle(directions, more_followed)
+        tried, followed, settled = tried + more, followed + more_followed, settled + more_settled
+        sure = promises_enough(more_settled)
+    if not sure and (directions[0].pair.config.rigid_starts or not settled):
+        settled += [fit for direction in directions for fit in direction.from_rigid_motions()]
     fits = moving(search(directions, moving(settled), sure))
     if not sure and max(promised := promises(fits)) < SURE:
         fits = moving(fits + half_turned(directions, fits, promised))
     return SearchedFits(tried, followed, fits)
+
+
+def promises_enough(fits: list[DirectedFit]) -> bool:
+    """Whether one of the fits promises so much that nothing further is tried (`SURE`)."""
+    return max(promises(fits), default=-math.inf) >= SURE

@@ -115,13 +115,13 @@ def prepare_pair(
     coordinates: list[Float32 | None] = [None, None]
     if config.selection == "fit" or config.refine == "deform":
         coordinates = [*run_tasks(neighbourhoods, [(each,) for each in both])]
-    samples = _samples(both, coordinates, config, seed)
+    covers = run_tasks(cover_of, [(cloud.points,) for cloud in clouds])
+    samples = _samples(both, coordinates, covers, config, seed)
     own_area = (config.departures or source.departures).area_normalised_kernels
     described = [describe(each, times, some, own_area) for each, some in zip(both, samples, strict=True)]
     paths: list[MedialPaths | None] = [None, None]
     if config.paths and config.selection == "fit":
         paths = [*run_tasks(MedialPaths.of, [(cloud,) for cloud in clouds])]
-    covers = run_tasks(cover_of, [(cloud.points,) for cloud in clouds])
     first, second = map(PreparedCloud, described, clouds, paths, covers, coordinates)
     return PreparedPair(both, first, second, times, config, seed, to_move)
 
@@ -144,12 +144,19 @@ def cover_of(points: NDArray[np.float64]) -> Int:
 def _samples(
     diffusions: tuple[Diffusion, Diffusion],
     coordinates: list[Float32 | None],
+    covers: list[Int],
     config: MatchConfig,
     seed: int,
 ) -> list[Int]:
     """S_P and S_Q: by spectral clustering (Sec. 4); where the fit decides, they cover the surface."""
     rngs = [np.random.default_rng([seed, k]) for k in (0, 1)]
     if config.selection == "fit":
-        each = zip(coordinates, rngs, strict=True)
-        return run_tasks(cluster_samples, [(x, config.samples, rng) for x, rng in each])
+        each = zip(coordinates, covers, rngs, strict=True)
+        return run_tasks(_of_cover, [(x, cover, config.samples, rng) for x, cover, rng in each])
     return [spectral_samples(d, config.samples, rng) for d, rng in zip(diffusions, rngs, strict=True)]
+
+
+def _of_cover(coordinates: Float32, cover: Int, count: int, rng: np.random.Generator) -> Int:
+    """`cluster_samples` of the points that a registration sees: the time does not grow with the others."""
+    seen = np.sort(cover)
+    return seen[cluster_samples(coordinates[seen], count, rng)]

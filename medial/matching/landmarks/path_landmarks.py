@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from datasets_gen.compiled import compiled
 from medial.matching.common_units import Float, Int
 from medial.matching.landmarks.medial_paths import MedialPaths
 
@@ -76,7 +77,7 @@ def landmark_sets(
         state, partner = np.divmod(cheapest, len(there) + 1)
         partner = np.where(partner == len(there), NONE, partner)
         grown = np.column_stack([states[state], partner])
-        kept = _distinct(grown, apart, config)
+        kept = distinct_states(grown, apart, config.apart, config.width)
         states, costs = grown[kept], total.ravel()[cheapest[kept]]
     return [
         LandmarkSet(here, np.where(state == NONE, NONE, there[state]), float(cost))
@@ -84,17 +85,29 @@ def landmark_sets(
     ]
 
 
-def _distinct(states: Int, apart: Float, config: SearchConfig) -> Int:
-    """Positions of states, cheapest first, of which no two have all partners close together."""
-    left = np.ones(len(states), dtype=bool)
-    kept: list[int] = []
+@compiled()
+def distinct_states(states: Int, apart: Float, least: float, most: int) -> Int:
+    """Positions of states (n, L), cheapest first, of which no two have all partners closer than `least`.
+
+    Each is the first that is not close to one before it; at most `most`. Partners index `apart`, negative
+    ones from its end.
+    """
+    kept = np.empty(most, np.int64)
+    count = 0
     for k in range(len(states)):
-        if left[k]:
-            kept.append(k)
-            if len(kept) == config.width:
+        new = True
+        for e in range(count):
+            new = False
+            for column in range(states.shape[1]):
+                new |= apart[states[k, column], states[kept[e], column]] >= least
+            if not new:
                 break
-            left &= apart[states, states[k]].max(axis=1) >= config.apart
-    return np.array(kept, dtype=np.int64)
+        if new:
+            kept[count] = k
+            count += 1
+            if count == most:
+                break
+    return kept[:count]
 
 
 def extrapolate_by_paths(source: MedialPaths, target: MedialPaths, landmarks: Int, partners: Int) -> Int:

@@ -6,7 +6,13 @@ import pytest
 from medial import Diffusion
 from medial.matching.common_units import CloudInUnits, common_units
 from medial.matching.landmarks.medial_paths import CHANGED, FAR, MedialPaths, path_distortion
-from medial.matching.landmarks.path_landmarks import NONE, SearchConfig, extrapolate_by_paths, landmark_sets
+from medial.matching.landmarks.path_landmarks import (
+    NONE,
+    SearchConfig,
+    distinct_states,
+    extrapolate_by_paths,
+    landmark_sets,
+)
 from tests.medial.clouds import body, cylinder, torus
 from tests.medial.matching_shapes import lobes
 from tests.medial.posed import bent, figure, left_arm, legs, right_arm
@@ -211,3 +217,26 @@ def test_path_distortion_of_few_nodes():
     changes = [0.0, min(1.5, CHANGED), min(1.5, CHANGED)]
     assert path_distortion(source, target, ids, ids) == pytest.approx(np.mean(changes))
     assert path_distortion(source, target, ids[:1], ids[:1]) == 0  # no pair
+
+
+def slow_distinct_states(states, apart, least, most):
+    kept = []
+    for k, state in enumerate(states):
+        if all(apart[state, states[e]].max() >= least for e in kept):
+            kept.append(k)
+    return kept[:most]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_states_that_are_kept_differ_in_some_partner(seed):
+    """One without counterpart (`NONE`, the last row) is as far from every partner as can be."""
+    rng = np.random.default_rng(seed)
+    places = rng.random((12, 2))
+    apart = np.linalg.norm(places[:, None] - places, axis=2)
+    apart = np.pad(apart, ((0, 1), (0, 1)), constant_values=np.inf)
+    apart[-1, -1] = 0
+    states = rng.integers(NONE, 12, (200, 1 + seed % 3))
+    for most in (3, 200):
+        kept = distinct_states(states, apart, 0.4, most)
+        assert kept.tolist() == slow_distinct_states(states, apart, 0.4, most)
+    assert 3 < len(kept) < 200
