@@ -145,6 +145,15 @@ def provenance(name: str, **options: Any) -> dict[str, Any]:
     }
 
 
+def is_folder(name: str | os.PathLike[str]) -> bool:
+    """Whether a name is that of a data set in files.
+
+    A built-in collection is meant by its bare name even where a folder is called alike: ``human/`` or
+    ``./human`` is the folder.
+    """
+    return str(name) not in SOURCES and str(name) != "" and is_data(Path(name))
+
+
 def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     """Load the poses of one subject, or of several with the same connectivity.
 
@@ -170,7 +179,7 @@ def load(name: str | os.PathLike[str], **options: Any) -> Collection:
     _check_name(name)
     if str(name) in SOURCES:
         return _reported(_called(SOURCES[str(name)].load, str(name), options))
-    if str(name) and is_data(Path(name)):
+    if is_folder(name):
         return _reported(_called(layout_of(Path(name)).load, str(name), options))
     raise _unknown(name)
 
@@ -197,7 +206,7 @@ def outline(name: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
     _check_name(name)
     if str(name) in SOURCES:
         found = _called(SOURCES[str(name)].outline, str(name), options)
-    elif str(name) and is_data(Path(name)):
+    elif is_folder(name):
         found = _called(layout_of(Path(name)).outline, str(name), options)
     else:
         raise _unknown(name)

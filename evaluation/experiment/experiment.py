@@ -211,9 +211,12 @@ def _is_named(each: Any) -> bool:
 
 
 def _located(name: str, folder: Path, is_there: Callable[[Path], bool]) -> str:
-    """The absolute path of what lies in the TOML file's folder or else in the current one; else the name."""
-    places = [folder / name] if name in names() else [folder / name, Path(name)]
-    found = [path for path in places if name and is_there(path)]
+    """The absolute path of what lies in the TOML file's folder or else in the current one; else the name.
+
+    A built-in name stays what it is, whatever lies there (`datasets_gen.registry.is_folder`).
+    """
+    places = [folder / name, Path(name)] if name and name not in names() else []
+    found = [path for path in places if is_there(path)]
     return str(found[0].resolve()) if found else name
 
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from datasets_gen.collection import no_truth
-from datasets_gen.collections.layouts import files_read, is_data
+from datasets_gen.collections.layouts import files_read
 from datasets_gen.fingerprints import digest_files, seed_of
 from datasets_gen.records import InputError
-from datasets_gen.registry import names
+from datasets_gen.registry import is_folder, names
 from evaluation.experiment.config_sections import SURFACE, DatasetSection, MethodSection, Regime
 from evaluation.experiment.experiment import Experiment
 from evaluation.experiment.plan import Plan, PlannedRow
@@ -33,9 +33,9 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
         if name in found:
             raise InputError(f"two data sets are called {name!r}; rename one of the folders")
         path = Path(dataset.name)
-        if not is_data(path):
+        if not is_folder(dataset.name):
             reject_unknown([dataset.name], names(), "experiment", "data set (and no folder of that name)")
-        files = files_read(path) if is_data(path) else []
+        files = files_read(path) if is_folder(dataset.name) else []
         spec = {"name": str(path.resolve()) if files else dataset.name, "options": dict(dataset.options)}
         code = digest_files(*files, root=path if path.is_dir() else path.parent) if files else ""
         identity = {**spec, "name": name} if files else spec
@@ -47,7 +47,7 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
 def display_name(dataset: DatasetSection) -> str:
     """Name of a data set in tables: paths go by their last part, and the subject if one is chosen."""
     path = Path(dataset.name)
-    if not is_data(path):
+    if not is_folder(dataset.name):
         return dataset.name
     last = path.resolve().name if path.is_dir() else path.stem
     return "-".join([last, *([str(s)] if (s := dataset.options.get("subject")) else [])])

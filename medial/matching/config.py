@@ -12,7 +12,7 @@ from medial.matching.registration.evidence import KINDS, Kind
 FEWEST_NODES = 8
 """A deformation with fewer nodes than this does not bend where a body bends."""
 _LEAST = {
-    "samples": 1,
+    "samples": 2,
     "times": 1,
     "landmarks": 1,
     "restarts": 1,

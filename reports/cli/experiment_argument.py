@@ -7,14 +7,19 @@ from reports.cli.console import Failure
 
 if TYPE_CHECKING:
     from evaluation import Experiment
+    from evaluation.experiment.config_sections import MethodSection
 
 FILE = "experiment.toml"
 
 
 def load_experiment(
-    name: str, datasets: tuple[str, ...] = (), seeds: int | None = None, poses: str | None = None
+    name: str,
+    datasets: tuple[str, ...] = (),
+    seeds: int | None = None,
+    poses: str | None = None,
+    methods: tuple[str, ...] = (),
 ) -> "Experiment":
-    """An experiment, with other data sets, which follow its rule of poses, other seeds and other poses.
+    """An experiment, with other data sets, which follow its rule of poses, other seeds, poses and methods.
 
     Parameters
     ----------
@@ -26,17 +31,19 @@ def load_experiment(
         Use the seeds 0 to ``seeds - 1`` instead of the experiment's.
     poses
         A number, ``"all"`` or names with commas between them, for every data set.
+    methods
+        Labels or names of those of its methods to use.
 
     Raises
     ------
     Failure
-        If it is a folder of something else.
+        If it is a folder of something else, or has no such method.
     InputError
         If there is no such preset or file, or its contents cannot be used.
     """
     from dataclasses import replace
 
-    from datasets_gen.collections.layouts import is_data
+    from datasets_gen.registry import is_folder
     from evaluation.experiment.config_sections import DatasetSection
     from evaluation.experiment.experiment import Experiment
 
@@ -53,13 +60,24 @@ def load_experiment(
     if datasets:
         rule = experiment.dataset[0].poses
         rule = "all" if isinstance(rule, tuple) else rule
-        located = [str(Path(each).resolve()) if is_data(Path(each)) else each for each in datasets]
+        located = [str(Path(each).resolve()) if is_folder(each) else each for each in datasets]
         sections = tuple(DatasetSection(name=each, poses=rule) for each in located)
         experiment = replace(experiment, dataset=sections)
     if poses is not None:
         sections = tuple(replace(each, poses=chosen) for each in experiment.dataset)
         experiment = replace(experiment, dataset=sections)
-    return experiment
+    return replace(experiment, method=_chosen(experiment, methods)) if methods else experiment
+
+
+def _chosen(experiment: "Experiment", wanted: tuple[str, ...]) -> "tuple[MethodSection, ...]":
+    """The methods whose label is wanted, or whose name where it is no method's label; in their order."""
+    labels = [each.label for each in experiment.method]
+    for each in wanted:
+        if each not in labels and each not in [method.name for method in experiment.method]:
+            known = ", ".join(repr(label) for label in labels) or "none"
+            raise Failure(f"{experiment.name!r} has no method {each!r}; it has {known}")
+    by_name = [each for each in wanted if each not in labels]
+    return tuple(each for each in experiment.method if each.label in wanted or each.name in by_name)
 
 
 def results_of(name: str) -> Path | None:

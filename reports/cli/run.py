@@ -37,6 +37,13 @@ if TYPE_CHECKING:
     metavar="N",
     help="Use the seeds 0 to N - 1 instead of the experiment's.",
 )
+@click.option(
+    "--method",
+    "methods",
+    multiple=True,
+    metavar="LABEL|NAME",
+    help="Of the experiment's methods use this: by its label, or all of a name; may be repeated.",
+)
 @cluster_options
 @click.option("--force", is_flag=True, help="Run everything again, even what is stored.")
 @click.option("--dry-run", is_flag=True, help="Say what would run, and run nothing.")
@@ -49,6 +56,7 @@ def run(
     datasets: tuple[str, ...],
     poses: str | None,
     seeds: int | None,
+    methods: tuple[str, ...],
     jobs: int | None,
     scheduler: str | None,
     tls_ca: str | None,
@@ -75,7 +83,7 @@ def run(
     from datasets_gen.paths import safe_name
     from reports.cli.output_paths import check_output_folder
 
-    settings = load_experiment(experiment, datasets, seeds, poses)
+    settings = load_experiment(experiment, datasets, seeds, poses, methods)
     folder = out or results_of(experiment) or Path("results") / safe_name(settings.name)
     if dry_run:
         _preview(settings, folder, jobs)

@@ -17,7 +17,7 @@ from reports.figures.point_renderer import (
 
 Float = NDArray[np.float64]
 
-FROM_BEHIND = ", from behind"
+TURNED = ", turned by 180°"
 """Said in the title of a target that is seen from the side opposite to that of the source."""
 
 
@@ -39,7 +39,7 @@ class PairCameras:
     @property
     def words(self) -> str:
         """What the title of the target ends with."""
-        return FROM_BEHIND if self.behind else ""
+        return TURNED if self.behind else ""
 
 
 def pair_cameras(source: DrawnCloud, target: DrawnCloud, up: int, height: int) -> PairCameras:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.figures.cloud_drawing import place_cloud
-from reports.figures.pair_cameras import FROM_BEHIND, outside_cameras
+from reports.figures.pair_cameras import TURNED, outside_cameras
 from reports.figures.point_renderer import best_azimuth
 from reports.figures.style import CLAY, CLOUD_INCHES, HEADROOM, QUIET, blank, new_figure, styled
 
@@ -61,7 +61,7 @@ def scan_series(
             colors = np.tile(to_rgb(CLAY), (len(view.points), 1))
             place_cloud(each, view.points, view.normals, colors, camera)
             each.set_title(view.title, pad=14)
-            note = view.note + FROM_BEHIND * turned
+            note = view.note + TURNED * turned
             each.text(0, 1.01, note, transform=each.transAxes, fontsize=7.5, color=QUIET, va="bottom")
         if len(rows) > 1:
             axes[0].text(

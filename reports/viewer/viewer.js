@@ -212,7 +212,7 @@ const MedialView = (() => {
       if (this.scene.maps.some((m) => m.landmarks && m.landmarks.length)) this.boxes.landmarks = this.whose(box("landmarks", "landmarks"));
       if (this.scene.clouds.some((c) => c.centers)) this.boxes.centers = box("centers", "medial centres");
       if (this.scene.clouds.some((c) => c.behind)) {
-        this.boxes.behind = box("behind", "target from behind");
+        this.boxes.behind = box("behind", "target turned by 180°");
         this.boxes.behind.parentNode.title = "Turned by half a turn, else one looks into its inner side";
       }
       if (this.scene.maps.some((m) => m.errors)) {
@@ -267,7 +267,7 @@ const MedialView = (() => {
         const map = this.scene.maps[k];
         const onSource = ["error", "confidence"].includes(this.state.color);
         const cloud = onSource ? 0 : map.target;
-        list.push({ cloud, map: k, title: `${map.label}${this.turned(cloud) ? ", from behind" : ""}`,
+        list.push({ cloud, map: k, title: `${map.label}${this.turned(cloud) ? ", turned by 180°" : ""}`,
           note: [map.note, onSource ? "" : this.scene.clouds[map.target].caption].filter(Boolean).join(", ") });
       }
       return list;

@@ -83,7 +83,7 @@ def test_only_a_deformation_checks_the_mirror_image(shape):
     ("settings", "message"),
     [
         ({"sample": 3}, "unknown match setting 'sample'; did you mean 'samples'"),
-        ({"samples": 0}, "match setting samples is 0; give a whole number of at least 1"),
+        ({"samples": 1}, "match setting samples is 1; give a whole number of at least 2"),
         ({"restarts": 10**9}, "match setting restarts is 1000000000; give a whole number of at most 100000"),
         ({"samples": 2.5}, "match setting samples must be a whole number, got 2.5"),
         ({"both_ways": "false"}, "match setting both_ways must be true or false, got 'false'"),

@@ -128,6 +128,45 @@ def test_data_sets_and_seeds_replace_those_of_a_preset():
     assert [(each.name, each.poses) for each in changed.dataset] == [("human_asymmetric", 4)]
 
 
+def test_a_built_in_body_is_meant_by_its_name_and_a_folder_called_alike_by_its_path(tmp_path, monkeypatch):
+    """``medialbench datasets human -o human/`` is the README's own first command."""
+    from evaluation.experiment.experiment import Experiment
+    from evaluation.experiment.make_plan import shape_tasks
+    from reports.cli.experiment_argument import load_experiment
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "human").mkdir()
+    (tmp_path / "human" / "rest.ply").write_text("not read")
+    file = tmp_path / "own.toml"
+    file.write_text('name = "own"\n[[dataset]]\nname = "human"\n[stability]\n')
+    for experiment in (load_experiment("matching", ("human",)), Experiment.load(file)):
+        assert [each.name for each in experiment.dataset] == ["human"]
+        assert shape_tasks(experiment)["human"].spec["name"] == "human"
+    for path in ("human/", "./human"):
+        experiment = load_experiment("matching", (path,))
+        assert [each.name for each in experiment.dataset] == [str(tmp_path / "human")]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "labels"),
+    [
+        (("heat kernel",), ["heat kernel"]),  # a label alone, though other methods have the name
+        (("heat",), ["heat kernel", "heat kernel (paper)"]),
+        (("tufted Laplacian", "heat kernel"), ["heat kernel", "tufted Laplacian"]),
+    ],
+)
+def test_methods_are_chosen_by_label_or_by_name(wanted, labels):
+    from reports.cli.experiment_argument import load_experiment
+
+    assert [each.label for each in load_experiment("opposite", methods=wanted).method] == labels
+
+
+def test_a_method_that_the_experiment_lacks_is_refused_with_those_it_has():
+    result = run("run", "opposite", "--method", "cpd", "--dry-run")
+    assert result.exit_code == 1
+    assert "'opposite' has no method 'cpd'; it has 'medial diffusion', " in result.stderr
+
+
 def test_a_terminal_that_is_not_utf_8_gets_its_table(results):
     code = "from reports.cli.main import main; main()"
     done = subprocess.run(

@@ -58,7 +58,7 @@ def test_both_clouds_lie_within_pictures_of_one_size():
         assert 0 <= rows.min() < rows.max() <= camera.height
 
 
-@pytest.mark.parametrize(("target", "said"), [(BACK, "from behind"), (FRONT, "")])
+@pytest.mark.parametrize(("target", "said"), [(BACK, "turned by 180°"), (FRONT, "")])
 def test_pictures_say_that_the_target_is_seen_from_behind(target, said):
     image = np.arange(len(FRONT.points)) % len(target.points)
     sure, colors = np.ones(len(image)), np.full((len(image), 3), 0.5)
@@ -77,4 +77,4 @@ def test_scans_of_the_other_side_are_shown_from_behind():
     views = [ScanView(cloud.points, cloud.normals, "scan", "some points") for cloud in (FRONT, BACK, WHOLE)]
     figure = scan_series([("front to back", views)], height=60)
     notes = [text.get_text() for axes in figure.axes for text in axes.texts]
-    assert notes == ["some points", "some points, from behind", "some points"]
+    assert notes == ["some points", "some points, turned by 180°", "some points"]

@@ -124,7 +124,7 @@ def test_panels_say_what_is_known_of_a_map_and_from_where_its_target_is_seen(sce
     page.write_text(page.read_text().replace("</body>", f"{script}</body>"))
     dom, complaints = opened(page, tmp_path)
     assert complaints == ""
-    first, second = (f"{name}, from behind: probability 0." for name in ("first", "second"))
+    first, second = (f"{name}, turned by 180°: probability 0." for name in ("first", "second"))
     assert f'data-said="{first}4, 300 points; {second}5, 300 points"' in dom
 
 
