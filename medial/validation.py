@@ -51,6 +51,14 @@ def check_enough(points: int, name: str = "") -> None:
         raise InputError(f"{has}{counted(points, 'point')}: too few; give at least {FEWEST_POINTS}")
 
 
+def check_places(points: NDArray[np.float64], name: str) -> None:
+    """Raise InputError, with the name of the cloud, if enough points (n, 3) lie at too few places."""
+    places = len(np.unique(points, axis=0))
+    if places < FEWEST_POINTS <= len(points):
+        lie = f"the points of {name} lie at {counted(places, 'place')}"
+        raise InputError(f"{lie}: too few; give at least {FEWEST_POINTS} different points")
+
+
 def check_points(points: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return `points` as (n, 3) float64.
 

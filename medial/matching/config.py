@@ -33,7 +33,8 @@ class MatchConfig(CheckedSettings):
     kind: ClassVar[str] = "match setting"
     samples: int = 500
     """Samples S_P and S_Q; a cloud with fewer points is used whole. By spectral clustering (Sec. 4) or, with
-    selection ``"fit"``, by clusters that are near in space as well: they have to cover the surface."""
+    selection ``"fit"``, by clusters that are near in space as well: they have to cover the surface. Those are
+    of the points that a registration sees, 8,000 at most (`medial.matching.prepared.cover_of`)."""
     times: int = 25
     """Number of times at which m_t is compared, spaced evenly in their logarithm."""
     candidates: float = 0.05

@@ -77,7 +77,7 @@ class ThinnedCloud:
         InputError
             If there are too few points to match.
         """
-        from medial.validation import check_enough
+        from medial.validation import check_enough, check_places
 
         check_enough(len(scan), name)
         away = np.zeros(len(scan), dtype=bool) if unused is None else unused.copy()
@@ -91,6 +91,7 @@ class ThinnedCloud:
         else:
             start = int(np.random.default_rng(seed).integers(len(body)))
             kept = body[farthest_points(scan.points[body], points, start)]
+        check_places(scan.points[kept], name)
         nearest = cKDTree(scan.points[kept]).query(scan.points)[1]
         return cls(scan.points, scan.select(kept), kept, nearest, away, what)
 

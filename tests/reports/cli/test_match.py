@@ -102,10 +102,16 @@ def test_clouds_that_cannot_be_matched_are_refused(scan_file, tmp_path):
     directions = np.random.default_rng(0).normal(size=(5, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     np.savetxt(few, np.hstack([directions, directions]))
+    repeated = tmp_path / "repeated.xyz"
+    np.savetxt(repeated, np.tile(np.hstack([directions, directions]), (9, 1)))
     np.savetxt(nan, np.full((30, 6), np.nan))
     words.write_text("a b c\n")
     np.savetxt(wide, np.ones((30, 5)))
     fails(run("match", few, scan_file, "-o", out), f"{str(few)!r} has 5 points: too few")
+    fails(
+        run("match", scan_file, repeated, "-o", out),
+        f"the points of {str(repeated)!r} lie at 5 places: too few",
+    )
     fails(run("match", nan, scan_file, "-o", out), "NaN")
     fails(run("match", words, scan_file, "-o", out), "words.xyz")
     fails(run("match", wide, scan_file, "-o", out), "line 1, has 5 columns")
