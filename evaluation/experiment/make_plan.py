@@ -32,10 +32,11 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
         name = display_name(dataset)
         if name in found:
             raise InputError(f"two data sets are called {name!r}; rename one of the folders")
-        path = Path(dataset.name)
-        if not is_folder(dataset.name):
+        path, files = Path(dataset.name), []
+        if is_folder(dataset.name):
+            files = files_read(path)
+        else:
             reject_unknown([dataset.name], names(), "experiment", "data set (and no folder of that name)")
-        files = files_read(path) if is_folder(dataset.name) else []
         spec = {"name": str(path.resolve()) if files else dataset.name, "options": dict(dataset.options)}
         code = digest_files(*files, root=path if path.is_dir() else path.parent) if files else ""
         identity = {**spec, "name": name} if files else spec
@@ -46,9 +47,9 @@ def shape_tasks(experiment: Experiment) -> dict[str, Task]:
 
 def display_name(dataset: DatasetSection) -> str:
     """Name of a data set in tables: paths go by their last part, and the subject if one is chosen."""
-    path = Path(dataset.name)
     if not is_folder(dataset.name):
         return dataset.name
+    path = Path(dataset.name)
     last = path.resolve().name if path.is_dir() else path.stem
     return "-".join([last, *([str(s)] if (s := dataset.options.get("subject")) else [])])
 
